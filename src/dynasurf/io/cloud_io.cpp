@@ -107,6 +107,7 @@ PointCloud sampled(const TriMesh& mesh, const VertexData& data) {
       used[v] = true;
     }
   const bool coloured = !data.colours.empty();
+  // Triangles that do not agree on their outer side give no directions: normals would be half right.
   const bool oriented = mesh::topology(mesh).oriented();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!used[v]) continue;
@@ -130,9 +131,11 @@ PointCloud sampled(const TriMesh& mesh, const VertexData& data) {
   return cloud;
 }
 
-/// Whether every finite point has a direction.
+/// Whether every finite point has a direction. One point without a normal spoils all: a cloud has normals for all
+/// points or for none.
 bool normals_are_whole(const PointCloud& cloud) {
   for (std::size_t n = 0; n < cloud.normals.size(); ++n)
+    // stableNorm: the square of a tiny but valid normal underflows to 0.
     if (cloud.points[n].allFinite() && !(cloud.normals[n].allFinite() && cloud.normals[n].stableNorm() > 0))
       return false;
   return true;
@@ -214,6 +217,7 @@ CloudInput read_cloud(std::span<const std::filesystem::path> files) {
     }
     if (input.cloud.points.size() + cloud.points.size() > most_points)
       throw InputError(path.string() + ": with it the cloud has more than 100000000 points");
+    // Files are scans of their own, each with one or more; numbers are made unique across files.
     if (cloud.scans.empty()) cloud.scans.assign(cloud.points.size(), 0);
     const std::uint32_t here = renumber(cloud.scans);
     for (auto& scan : cloud.scans) scan += scans;

@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 std::uint32_t number_of(const DcmTagKey& tag) { return std::uint32_t{tag.getGroup()} << 16 | tag.getElement(); }
 
-/// Every attribute of the first level that this source asks for.
+/// Every attribute of the first level that this source asks for. An attribute that is not in this list reads as absent:
+/// only wanted elements reach DCMTK.
 std::vector<std::uint32_t> wanted_tags() {
   std::vector<std::uint32_t> tags;
   for (const DcmTagKey& tag : {DCM_Modality,
@@ -94,6 +95,7 @@ LoadedFile load(const fs::path& path) {
   return file;
 }
 
+/// Values are filled up to an even length: texts by a space, UIDs by a NUL (PS3.5, 6.2).
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t");
   if (first == std::string::npos) return "";
@@ -148,6 +150,7 @@ class Attributes {
     std::vector<double> values;
     for (const std::string& word : all) {
       std::string_view rest = word;
+      // A decimal string may begin with +, which from_chars does not take.
       if (!rest.empty() && rest.front() == '+') rest.remove_prefix(1);
       double value = 0;
       const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
@@ -270,6 +273,7 @@ void read_geometry(DicomImage& image, const Attributes& root) {
   const Vec3 along_column((*direction)[3], (*direction)[4], (*direction)[5]);
   for (const Vec3& v : {along_row, along_column})
     if (!(std::abs(v.norm() - 1) < 0.01)) root.refuse(DCM_ImageOrientationPatient, "is not two directions of length 1");
+  // Cosines are written with a few decimals; all that follows relies on unit vectors.
   image.orientation = {along_row.normalized(), along_column.normalized()};
 }
 
@@ -369,6 +373,7 @@ DicomLook dicom_look_of(const std::filesystem::path& path) {
   if (head.size() == 132 && head.compare(128, 4, "DICM") == 0) return DicomLook::preamble;
   if (head.size() < 8) return DicomLook::none;
   const auto at = [&](std::size_t n) { return static_cast<unsigned char>(head[n]); };
+  // The first element of a file without preamble belongs to group 2 or 8, and its group is a number of two bytes.
   const bool little = at(1) == 0 && (at(0) == 2 || at(0) == 8), big = at(0) == 0 && (at(1) == 2 || at(1) == 8);
   return little || big ? DicomLook::bare : DicomLook::none;
 }
@@ -391,6 +396,7 @@ DicomImage read_dicom_header(const std::filesystem::path& path) {
   image.series_number = root.soft_whole(DCM_SeriesNumber);
   const auto series_type = root.texts(DCM_SeriesType);
   if (!series_type.empty()) image.series_type = series_type.front();
+  // Value 2 of SeriesType of PET is IMAGE or REPROJECTION.
   image.is_reprojection = series_type.size() > 1 && series_type[1] == "REPROJECTION";
   read_pixel_format(image, root);
   read_geometry(image, root);

@@ -30,6 +30,7 @@ bool has_value(DcmElement& element) {
   char* text = nullptr;
   Uint8* bytes = nullptr;
   Uint32 number = 0;
+  // The head of a file (group 2) holds the length of the group, its version, and texts.
   switch (element.ident()) {
     case EVR_UL:
       return element.getUint32(number).good() && number > 0;
@@ -52,6 +53,7 @@ std::string decimal(double value) {
   std::array<char, 40> buffer;
   for (int digits = 15; digits > 3; --digits) {
     std::snprintf(buffer.data(), buffer.size(), "%.*g", digits, value);
+    // A decimal string (DS) has 16 bytes at most; sign, point and exponent take some of them.
     if (std::string(buffer.data()).size() <= 16) break;
   }
   return buffer.data();
@@ -70,8 +72,8 @@ std::string uid_of(const Sha256& content, std::string_view role) {
   const Sha256 digest = hasher.finish();
   std::array<unsigned char, 16> uuid;
   std::copy_n(digest.begin(), 16, uuid.begin());
-  uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x50);
-  uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);
+  uuid[6] = static_cast<unsigned char>((uuid[6] & 0x0f) | 0x50);  // version 5: named by a hash
+  uuid[8] = static_cast<unsigned char>((uuid[8] & 0x3f) | 0x80);  // the variant of RFC 4122
   return "2.25." + digits_of(uuid);
 }
 
@@ -82,6 +84,7 @@ std::string bytes_of(DcmFileFormat& file, const std::string& where) {
   std::string bytes;
   OFCondition status = EC_StreamNotifyClient;
   file.transferInit();
+  // DCMTK asks for room in this way whenever the buffer is full.
   while (status == EC_StreamNotifyClient) {
     status = file.write(stream, EXS_LittleEndianExplicit, EET_ExplicitLength, nullptr, EGL_withoutGL);
     void* piece = nullptr;

@@ -10,6 +10,7 @@ namespace dynasurf::io {
 Placement placement_of(const DicomImage& image, Notes& notes) {
   if (!image.pixel_spacing)
     throw InputError(image.where() + ": PixelSpacing (0028,0030) is absent; expected the size of a pixel in mm");
+  // PixelSpacing tells the distance between rows first, then that between columns, along a row.
   Placement p{Vec3::UnitX(),
               Vec3::UnitY(),
               Vec3::UnitZ(),
@@ -47,6 +48,7 @@ double slice_spacing_of(const DicomImage& image, Notes& notes, bool several) {
 
 void set_gate_times(DicomStack& stack, const DicomImage& image, int rr) {
   if (stack.gates < 2) return;
+  // What the item of this R-R interval says is believed before what holds for the whole study.
   const auto at = static_cast<std::size_t>(rr) - 1;
   const auto value = [&](const std::vector<std::optional<double>>& values) {
     return at < values.size() && values[at] && *values[at] > 0 ? *values[at] : 0.0;
@@ -64,6 +66,7 @@ void set_gate_times(DicomStack& stack, const DicomImage& image, int rr) {
   if (cycle == 0 && image.nominal_interval && *image.nominal_interval > 0) cycle = *image.nominal_interval;
   if (cycle == 0 && image.heart_rate && *image.heart_rate > 0) cycle = 60000 / *image.heart_rate;
   if (frame_ms == 0 && cycle > 0) frame_ms = cycle / gates;
+  // 300 to 20 beats a minute; what is no beat of a heart is a unit mistaken or a field filled at random.
   if (!(cycle >= 200 && cycle <= 3000) || !(frame_ms * gates <= 3000)) {
     note(stack.notes, Severity::info, "dicom.no_gate_times",
          "the times of the gates are not in the file or make no heart beat");

@@ -92,7 +92,8 @@ std::vector<int> slices_of(std::span<const DicomSegment> segments) {
   return slices;
 }
 
-/// Voxels as bits, the first the lowest; frames follow each other without a gap.
+/// Voxels as bits, the first the lowest; frames follow each other without a gap. PS3.5, 8.1.1: bits are packed without
+/// regard to where a frame ends.
 class Bits {
  public:
   void add(std::span<const std::uint8_t> values) {

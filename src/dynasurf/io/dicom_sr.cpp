@@ -84,7 +84,7 @@ void add_group(Item& parent, const DicomMeasurementGroup& group, const DicomResu
   for (const auto& [what, text] : group.remarks) add_text(place, contains, what, text);
 }
 
-/// What is said of the whole: the language, the observer, what was done.
+/// What is said of the whole: the language, the observer, what was done. TID 1204, and TID 1002 with 1004 for a device.
 void add_observation(Item& root, const DicomResult& result) {
   add_term(root, modifies, dcm("121049", "Language of Content Item and Descendants"), {"eng", "RFC5646", "English"});
   add_term(root, observed, dcm("121005", "Observer Type"), dcm("121007", "Device"));
@@ -130,10 +130,10 @@ DicomInstance write_measurement_report(const DicomResult& result, const DicomObj
   DcmFileFormat file;
   Item root(*file.getDataset());
   root.text(DCM_Modality, "SR");
-  root.empty_sequence(DCM_ReferencedPerformedProcedureStepSequence);
+  root.empty_sequence(DCM_ReferencedPerformedProcedureStepSequence);  // type 2
   root.empty_sequence(DCM_PerformedProcedureCodeSequence);
   root.text(DCM_CompletionFlag, "COMPLETE");
-  root.text(DCM_VerificationFlag, "UNVERIFIED");
+  root.text(DCM_VerificationFlag, "UNVERIFIED");  // no person has signed it
   root.text(DCM_ValueType, "CONTAINER");
   dicom::put_code(root, DCM_ConceptNameCodeSequence, dcm("126000", "Imaging Measurement Report"));
   root.text(DCM_ContinuityOfContent, "SEPARATE");

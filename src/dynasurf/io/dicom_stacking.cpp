@@ -18,6 +18,8 @@ bool is_same_grid(const Grid& a, const Grid& b) {
 std::string reason_to_refuse(const DicomImage& image) {
   const std::string& kind = image.kind();
   if (image.sop_class.rfind("1.2.840.10008.5.1.4.1.1.", 0) == 0) {
+    // Storage classes: Enhanced MR, CT, PET and MR Color and Legacy Converted Enhanced PET keep the places of their
+    // frames in functional groups; 7 and its kin are Secondary Capture.
     const std::string of = image.sop_class.substr(24);
     if (of == "4.1" || of == "2.1" || of == "130" || of == "4.3" || of == "128.1")
       return "is an Enhanced multi-frame image, which is not read; convert it to single-frame files or NIfTI first";
@@ -25,6 +27,7 @@ std::string reason_to_refuse(const DicomImage& image) {
       return "is a screen capture, not image data; give the reconstructed slices";
   }
   if (image.samples != 1) return "is a colour picture, not image data; give the reconstructed slices";
+  // In nuclear medicine value 3 of ImageType names the kind of image; a study without it may be anything.
   if (image.modality == "NM") {
     if (kind == "RECON TOMO" || kind == "RECON GATED TOMO") return "";
     if (kind == "TOMO" || kind == "GATED TOMO")
@@ -64,6 +67,7 @@ std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, st
     const auto& n = image(s).gate_in_words;
     return n ? std::optional<double>(*n) : std::nullopt;
   });
+  // The first attribute that every stack has, and no two alike, orders the gates; the surest is asked first.
   for (const auto& [name, value] : keys) {
     std::map<double, std::size_t> by_value;
     for (std::size_t n = 0; n < stacks.size(); ++n)
@@ -77,6 +81,7 @@ std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, st
       values.push_back(v);
       whole.frames.insert(whole.frames.end(), stacks[n].frames.begin(), stacks[n].frames.end());
     }
+    // Numbers that count gates tell of a missing file by a gap; times and percentages may be spaced as they like.
     const bool counted = name == "TimeSlotVector" || name == "SeriesDescription";
     const int declared = stacks.front().declared_gates;
     if (counted &&
@@ -90,6 +95,8 @@ std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, st
     if (name == "SeriesDescription")
       note(whole.notes, Severity::warning, "dicom.gate_order",
            "the gates are ordered by the numbers in their series descriptions");
+    // The header of one gate tells the beat, which is divided evenly; trigger times that differ from gate to gate are
+    // the gates' own and better.
     set_gate_times(whole, image(stacks.front()), 1);
     if (whole.time_ms.empty() || name == "TriggerTime") {
       whole.time_ms.clear();

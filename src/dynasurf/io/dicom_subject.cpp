@@ -78,6 +78,7 @@ void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject&
   Item root(dataset);
   // An empty character set means the default repertoire; an empty attribute would be a fault.
   dataset.findAndDeleteElement(DCM_SpecificCharacterSet);
+  // The study description is optional too (type 3); the others are of type 2, which must stand there, though empty.
   dataset.findAndDeleteElement(DCM_StudyDescription);
   for (const auto& [member, tag] : subject_texts) {
     const std::string& text = result.subject.*member;
@@ -92,6 +93,7 @@ void put_context(DcmItem& dataset, const DicomResult& result, const DicomObject&
   root.text(DCM_SeriesDescription, object.series_description);
   for (const DcmTagKey& tag : {DCM_InstanceCreationDate, DCM_SeriesDate, DCM_ContentDate}) root.text(tag, result.date);
   for (const DcmTagKey& tag : {DCM_InstanceCreationTime, DCM_SeriesTime, DCM_ContentTime}) root.text(tag, result.time);
+  // Enhanced General Equipment wants all four with a value (type 1).
   root.text(DCM_Manufacturer, "Dynasurf");
   root.text(DCM_ManufacturerModelName, "Dynasurf, research use only");
   root.text(DCM_DeviceSerialNumber, "none");

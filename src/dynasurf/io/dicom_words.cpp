@@ -22,6 +22,7 @@ std::string spaced_words(const std::string& text) {
 }
 
 using Marks = std::initializer_list<const char*>;
+// Corrected, not corrected: marks with blanks around them match whole words only, so that NAC is no AC.
 constexpr Marks corrected_marks{" AC ", " IRAC ", " ATTN "};
 constexpr Marks uncorrected_marks{" NC ", " NAC ", " IRNC ", " NOAC "};
 
@@ -64,6 +65,7 @@ View view_in_words(const std::string& description) {
   look_for(View::horizontal_long_axis, {" HLA ", " HORIZONTAL LONG", " HORIZ LONG", " H LONG AX", " HLAX "});
   look_for(View::vertical_long_axis, {" VLA ", " VERTICAL LONG", " VERT LONG", " V LONG AX", " VLAX "});
   look_for(View::transaxial, {" TRANSAX", " TRANSVERS", " TRANS ", " AXIAL "});
+  // A description that names two views says nothing of this stack.
   return kinds == 1 ? found : View::unknown;
 }
 

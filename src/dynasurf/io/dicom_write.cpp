@@ -48,6 +48,7 @@ class UidMaker {
   Sha256 content_;
 };
 
+/// Negative values and those beyond 16 bits are refused, not clipped: a study must be read back as it was.
 Uint16 scaled_count(float value, double scale, const std::string& where) {
   const double count = std::floor(value * scale + 0.5);
   if (!(count >= 0) || count > 65535)
@@ -108,8 +109,10 @@ void put_image(Item& root, const Study& study) {
   root.text(DCM_ImageType,
             gated ? "DERIVED\\PRIMARY\\RECON GATED TOMO\\EMISSION" : "DERIVED\\PRIMARY\\RECON TOMO\\EMISSION");
   put_pixel_format(root, gates * slices, g.dims[1], g.dims[0]);
+  // PixelSpacing tells the distance between rows first, then that between columns.
   root.text(DCM_PixelSpacing, decimals({g.spacing[1], g.spacing[0]}));
   root.text(DCM_SliceThickness, decimal(g.spacing[2]));
+  // The sign of the spacing tells on which side of the first slice the others lie (NM Reconstruction module).
   const Vec3 normal = g.direction.col(0).cross(g.direction.col(1));
   root.text(DCM_SpacingBetweenSlices, decimal(normal.dot(g.direction.col(2)) < 0 ? -g.spacing[2] : g.spacing[2]));
   std::vector<Uint16> ones(gates * slices, 1), slot, slice;
@@ -179,6 +182,7 @@ void put_gates(Item& root, std::size_t gates, double first_ms, double step_ms, d
   gated.text(DCM_TriggerTime, decimal(first_ms));
   gated.text(DCM_CardiacFramingType, "FORW");
   Item data = gated.add(DCM_DataInformationSequence);
+  // An integer string (IS) holds whole milliseconds only.
   if (cycle_ms > 0) data.text(DCM_NominalInterval, std::to_string(std::lround(cycle_ms)));
   data.text(DCM_FrameTime, decimal(step_ms));
   for (std::size_t g = 0; g < gates; ++g)
@@ -262,6 +266,7 @@ void write_dicom(const Study& study, const std::filesystem::path& path, const Di
   if (study.gates.empty()) throw InputError(where + ": cannot write a study without a volume");
   for (const int extent : study.grid().dims)
     if (extent > 65535) throw InputError(where + ": DICOM holds at most 65535 voxels along an axis");
+  // A vector of 16-bit numbers stands behind a length of 16 bits: 65534 bytes at most.
   if (study.gates.size() * study.grid().dims[2] > 32767)
     throw InputError(where + ": has more frames than DICOM's frame vectors hold (32767)");
   const std::vector<Uint16> pixels = scaled_counts(study, options.counts_scale, where);

@@ -31,6 +31,7 @@ std::vector<std::array<std::uint16_t, 4>> linear(const VertexColours& colours) {
     auto& row = rows.emplace_back();
     for (std::size_t c = 0; c < 3; ++c) {
       const double share = colour[c] / 255.0;
+      // The transfer function of sRGB (IEC 61966-2-1), inverted.
       const double light = share <= 0.04045 ? share / 12.92 : own::pow((share + 0.055) / 1.055, 2.4);
       row[c] = static_cast<std::uint16_t>(std::lround(light * 65535));
     }
@@ -139,11 +140,13 @@ void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::pa
   GltfScene scene;
   const bool all_textured = std::all_of(levels.begin(), levels.end(), is_textured);
   const int plain = all_textured ? -1 : scene.add_material("surface", roughness);
+  // All levels are seen from one place, so that a change of level moves nothing.
   const Vec3 middle = middle_of(levels[0].mesh);
   for (const LodSurface& level : levels) {
     GltfJson primitive = is_textured(level) ? textured_primitive(level.textured, middle, scene)
                                             : plain_primitive(level.mesh, level.colours, level.scalars, middle, scene);
     primitive["material"] = is_textured(level) ? add_textured_material(level, scene) : plain;
+    // MSFT_lod names the coarser nodes; in the scene itself they would be drawn over the finest.
     add_node_at(middle, level.name, std::move(primitive), &level == &levels[0], scene);
   }
   name_levels(levels, scene.document);

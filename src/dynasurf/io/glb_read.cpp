@@ -39,6 +39,7 @@ std::int64_t offset_in(const JsonNode& node) {
   return has(node, "byteOffset") ? whole_in(node, "byteOffset", 0, max_bytes) : 0;
 }
 
+/// A file that was handed on must not make this machine open others, a pipe or a device among them.
 void refuse_other_files(const JsonNode& document) {
   for (const char* key : {"buffers", "images"}) {
     if (!has(document, key)) continue;
@@ -81,6 +82,7 @@ std::string_view block_of(GlbFile& glb, std::int64_t accessor, const char* type,
   if (offset + count * row_bytes > length)
     refuse(glb.name, a.path + ": ends at byte " + std::to_string(offset + count * row_bytes) +
                          " of its view; expected " + std::to_string(length) + " at most");
+  // glTF aligns accessors to the size of their components, which is 4 here.
   if ((begin + offset) % 4 != 0)
     refuse(glb.name, a.path + ": begins at byte " + std::to_string(begin + offset) + "; expected a multiple of 4");
   return glb.binary.substr(begin + offset, count * row_bytes);

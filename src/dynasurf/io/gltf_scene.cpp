@@ -43,6 +43,7 @@ GltfScene::GltfScene() {
   document["scenes"] = GltfJson::array({GltfJson::object()});
 }
 
+// glTF asks for the bounds of positions (3.7.2.1) and of the times of an animation; elsewhere they are optional.
 int GltfScene::add_rows(const Rows3& rows, bool with_bounds) {
   const int accessor =
       add_bytes(rows.data(), rows.size() * sizeof(rows[0]), rows.size(), "VEC3", gltf::float_32, gltf::array_buffer);
@@ -123,6 +124,7 @@ std::string GltfScene::encode(const std::string& what) const {
   GltfJson whole = document;
   if (!shown_.empty()) whole["scenes"][0]["nodes"] = shown_;
   if (!binary_.empty()) whole["buffers"] = GltfJson::array({{{"byteLength", binary_.size()}}});
+  // JSON is filled up by spaces, the buffer by zeros (GLB, 4.4.3).
   const std::string json = padded(whole.dump(-1, ' ', false, GltfJson::error_handler_t::replace), ' ');
   const std::string binary = padded(binary_, '\0');
   const std::size_t size = 12 + 8 + json.size() + (binary.empty() ? 0 : 8 + binary.size());

@@ -110,6 +110,7 @@ double number_of(const JsonNode& node) {
 
 std::int64_t whole_of(const JsonNode& node, std::int64_t low, std::int64_t high) {
   const Json& json = *node.json;
+  // nlohmann keeps positive numbers unsigned, and converting one of 2^63 or more to a signed type would wrap around.
   const bool fits =
       json.is_number_unsigned() ? std::in_range<std::int64_t>(json.get<std::uint64_t>()) : json.is_number_integer();
   const std::int64_t value = fits ? json.get<std::int64_t>() : 0;

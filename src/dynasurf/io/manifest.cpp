@@ -18,7 +18,8 @@ constexpr std::size_t hash_digits = 64;
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }
 
-/// Below the folder, without detours.
+/// Below the folder, without detours. Names come from a file that anybody may have edited: none may lead out of the
+/// folder, or into a second line.
 bool is_plain_name(std::string_view name) {
   if (name.empty() || std::any_of(name.begin(), name.end(), is_control)) return false;
   for (std::size_t from = 0; from <= name.size();) {
@@ -41,6 +42,7 @@ std::optional<ManifestEntry> parse_line(std::string_view line) {
   ManifestEntry entry;
   entry.sha256 = line.substr(0, hash_digits);
   const char *const size = line.data() + hash_digits + 1, *const end = line.data() + line.size();
+  // A size has one spelling, without leading zeros: what manifest_text does not write is refused.
   const auto [rest, error] = std::from_chars(size, end, entry.bytes);
   if (error != std::errc{} || rest == end || *rest != ' ' || (*size == '0' && rest != size + 1)) return {};
   entry.name.assign(rest + 1, end);
@@ -61,6 +63,7 @@ void look(const fs::path& folder, const std::vector<ManifestEntry>& manifest, st
   };
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().lexically_relative(folder).string();
+    // The link itself, not what it leads to: what a result holds are plain files.
     const fs::file_status status = entry.symlink_status();
     if (fs::is_directory(status)) continue;
     const ManifestEntry* file = find(manifest, name);
@@ -130,6 +133,7 @@ std::optional<ForeignFile> first_foreign_file(const fs::path& folder) {
     return ForeignFile{error.path1().lexically_relative(folder).string(), "cannot be looked at"};
   }
   if (first && !has_manifest) first->why = "is not of a result: the folder has no manifest.txt";
+  // Hashing costs most and comes last; files behind the first foreign name need none, because that name is the answer.
   for (const ManifestEntry* file : listed) {
     if (first && first->name < file->name) continue;
     try {

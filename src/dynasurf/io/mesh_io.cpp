@@ -98,6 +98,7 @@ void require_memory_of(const MeshFile& file, std::size_t vertices, std::size_t t
 }
 
 void MeshRoom::grow(const TriMesh& mesh, std::size_t triangles) {
+  // Room for a quarter more is looked for at each time, so that a growing mesh asks a logarithmic number of times.
   const auto beyond = [](std::size_t count) { return count + count / 4 + 10'000; };
   vertices_ = beyond(mesh.vertices.size() + 1);
   triangles_ = beyond(mesh.triangles.size() + triangles);
@@ -106,6 +107,7 @@ void MeshRoom::grow(const TriMesh& mesh, std::size_t triangles) {
 
 std::size_t count_lines(std::string_view text) { return std::count(text.begin(), text.end(), '\n'); }
 
+/// Words of a file come into messages: cut short, and without control characters that a terminal would obey.
 std::string quoted(std::string_view word) {
   std::string out = "'";
   for (const unsigned char c : word.substr(0, 40)) out += std::isprint(c) != 0 ? static_cast<char>(c) : '?';
@@ -145,6 +147,7 @@ void check_colours(const TriMesh& mesh, const VertexColours& colours, const std:
 std::vector<Eigen::Vector3f> normals_to_write(const TriMesh& mesh) {
   std::vector<Eigen::Vector3f> normals;
   normals.reserve(mesh.vertices.size());
+  // Normals of glTF are unit vectors; a vertex whose triangles cancel out has none of its own.
   for (const Vec3& n : mesh::vertex_normals(mesh)) normals.push_back((n.isZero() ? Vec3::UnitZ() : n).cast<float>());
   return normals;
 }

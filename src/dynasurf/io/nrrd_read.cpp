@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 SampleType sample_type(const NrrdHeader& header) {
+  // Spellings of the definition of NRRD, blanks left out.
   static const std::map<std::string, SampleType> types = {{"signedchar", SampleType::int8},
                                                           {"int8", SampleType::int8},
                                                           {"int8_t", SampleType::int8},
@@ -236,6 +237,7 @@ void set_times(Study& study, const NrrdHeader& header, int list_axis) {
       }
       times.push_back(value * unit_ms);
     }
+  // less_equal: two gates at one time are no order.
   const bool ordered = std::is_sorted(times.begin(), times.end(), std::less_equal<>());
   if (times.size() != study.gates.size() || !ordered || times.back() - times.front() > 3000) times.clear();
   bool uniform = times.size() > 1;

@@ -54,6 +54,7 @@ void assign_method(const Json& json, const ChoiceRef& choice, const OptionNode& 
     return;
   }
   require_object(json, path);
+  // The method is chosen before any member is assigned, wherever its key stands: which members there are depends on it.
   std::size_t wanted = choice.current();
   if (const auto method = json.find("method"); method != json.end()) {
     if (!method->is_string()) throw_wrong_value(node, path + ".method", short_text(*method));
@@ -69,6 +70,7 @@ void assign(const Json& json, const OptionNode& node, const std::string& path) {
     const bool right_type = std::is_floating_point_v<Number> ? value.is_number() : value.is_number_integer();
     if (!right_type || !in_range(node.field, value.get<double>())) wrong();
     if constexpr (std::is_integral_v<Number>) {
+      // The limits of an option may be wider than its type; the JSON keeps positive numbers unsigned, others signed.
       const bool fits = value.is_number_unsigned() ? std::in_range<Number>(value.get<std::uint64_t>())
                                                    : std::in_range<Number>(value.get<std::int64_t>());
       if (!fits) wrong();
@@ -129,6 +131,7 @@ void assign_members(const Json& json, const OptionNodes& nodes, const std::strin
     const OptionNode* found = nullptr;
     for (const OptionNode& node : nodes)
       if (node.name == key) found = &node;
+    // A misspelt option must not leave a default in force unnoticed.
     if (found == nullptr) throw_unknown_option(nodes, path, key, in_family);
     assign(value, *found, join_path(path, key));
   }

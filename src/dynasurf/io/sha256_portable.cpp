@@ -13,6 +13,7 @@ namespace {
 using Words = std::array<std::uint32_t, 8>;
 using Block = std::array<unsigned char, 64>;
 
+/// The fractional parts of the cube roots of the first 64 primes (4.2.2).
 constexpr std::array<std::uint32_t, 64> constants{
     0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
     0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
@@ -23,6 +24,7 @@ constexpr std::array<std::uint32_t, 64> constants{
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
+/// The message schedule (6.2.2, step 1), words of a block being big-endian.
 std::array<std::uint32_t, 64> schedule_of(const Block& block) {
   std::array<std::uint32_t, 64> w{};
   for (std::size_t t = 0; t < 16; ++t)
@@ -39,6 +41,7 @@ void mix(Words& hash, const Block& block) {
   const auto w = schedule_of(block);
   auto [a, b, c, d, e, f, g, h] = hash;
   for (std::size_t t = 0; t < 64; ++t) {
+    // T1 and T2 of step 3: Sigma1 and Ch, then Sigma0 and Maj.
     const std::uint32_t first =
         h + (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) + ((e & f) ^ (~e & g)) + constants[t] + w[t];
     const std::uint32_t second =
@@ -52,6 +55,7 @@ void mix(Words& hash, const Block& block) {
 }  // namespace
 
 struct Hasher::State {
+  // The fractional parts of the square roots of the first eight primes (5.3.3).
   Words hash{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   Block block{};
   std::uint64_t bytes = 0;
@@ -74,6 +78,7 @@ void Hasher::add(const void* data, std::size_t bytes) {
 }
 
 Sha256 Hasher::finish() {
+  // The length of the message alone: what fills up the last block (5.1.1) passes through add() and is counted there.
   const std::uint64_t bits = state_->bytes * 8;
   constexpr unsigned char end = 0x80, nothing = 0;
   add(&end, 1);

@@ -69,6 +69,7 @@ void write_nrrd_bytes(const Grid& grid, std::span<const T> values, bool vectors,
   out += std::string("space directions:") + (vectors ? " none" : "");
   for (int axis = 0; axis < 3; ++axis) out += " " + triple(grid.direction.col(axis) * grid.spacing[axis]);
   out += std::string("\nkinds:") + (vectors ? " vector" : "") + " domain domain domain\n";
+  // Components lie along the axes of the world; without a measurement frame it is undefined along which.
   if (vectors) out += "measurement frame: (1,0,0) (0,1,0) (0,0,1)\n";
   out += "endian: little\nencoding: raw\nspace origin: " + triple(grid.origin) + "\n\n";
   out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
@@ -92,7 +93,9 @@ void write_vti(const Grid& grid, std::span<const VoxelArray> arrays, const std::
   std::string data;
   for (const VoxelArray& array : arrays) data += array_of(xml, grid, array);
   const auto& d = grid.dims;
+  // Values are point data, so the extent counts voxel centres, from 0 to the last.
   const std::string extent = joined(std::array{0, d[0] - 1, 0, d[1] - 1, 0, d[2] - 1}, " ");
+  // VTK reads the matrix of directions row by row.
   const auto& m = grid.direction;
   const std::array rows{m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
   const std::string body = "<!-- dynasurf, world coordinates, LPS, mm -->\n<ImageData WholeExtent=\"" + extent +

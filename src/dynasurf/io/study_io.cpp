@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 
 enum class Format { dicom, nifti, nrrd };
 
+/// NIfTI-1 begins with the size of its header, 348, in either byte order; NIfTI-2 with 540.
 bool looks_like_nifti(const std::string& head) {
   constexpr const char little[] = "\x5c\x01\0\0", big[] = "\0\0\x01\x5c";
   return head.size() >= 4 && (std::memcmp(head.data(), little, 4) == 0 || std::memcmp(head.data(), big, 4) == 0);
@@ -27,6 +28,7 @@ bool looks_like_bare_dicom(const std::string& head) {
   return head.size() >= 8 && ((at(1) == 0 && (at(0) == 2 || at(0) == 8)) || (at(0) == 0 && (at(1) == 2 || at(1) == 8)));
 }
 
+/// By the content alone: names of medical files tell little. What is packed by gzip is looked into.
 Format format_of(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return Format::dicom;

@@ -17,6 +17,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    // A file may vanish between the listing and the look at it: it is passed over then.
     std::error_code vanished;
     if (it->is_regular_file(vanished)) files.push_back(it->path());
     if (files.size() > most_files)
@@ -59,6 +60,7 @@ StudySearch search_studies(const std::filesystem::path& folder, const Progress& 
   for (std::size_t n = 0; n < files.size(); ++n) {
     progress.check();
     if (n % 1000 == 0) progress("search", static_cast<int>(n), static_cast<int>(files.size()));
+    // DICOM has no ending of its own: whatever is nothing else may be it.
     if (is_nifti(files[n]) || is_nrrd(files[n]))
       look_at_volume(files[n], found);
     else

@@ -119,6 +119,7 @@ TrackedFile read_tracked_points(const std::filesystem::path& path) {
                             "the table does not tell how many rows it has (\"# " + std::to_string(rows) +
                                 " rows\" in front); one that was cut at the end of a row would look alike"});
   result.points.gates.resize(table.gates);
+  // Motion compares the same points in all gates: one that is lost in a gate is of no use.
   for (std::size_t n = 0; n < table.name.size(); ++n) {
     const auto& places = table.places[n];
     if (places.size() < table.gates || std::any_of(places.begin(), places.end(), [](const auto& p) { return !p; }))
