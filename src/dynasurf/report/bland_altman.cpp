@@ -38,6 +38,7 @@ Agreement agreement_of(const std::vector<Dot>& dots) {
   double squares = 0;
   for (const Dot& dot : dots) squares += (dot.difference - a.bias) * (dot.difference - a.bias);
   a.sd = dots.size() > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  // Limits of agreement (Bland and Altman 1986): 95 % of differences, were they normal.
   a.low = a.bias - 1.96 * a.sd;
   a.high = a.bias + 1.96 * a.sd;
   return a;
@@ -98,6 +99,7 @@ std::string axes(const Frame& f, const AgreementPlot& plot) {
     svg += text(f.at_x(value), bottom + 16, text_of(value, f.x.decimals()), "middle");
   }
   const std::string unit = io::detail::xml_text(plot.unit);
+  // Bland and Altman plot over the mean of two methods; here the truth is known and stands in its place.
   svg += text((left + right) / 2, bottom + 34, "truth, " + unit, "middle");
   svg += "<text transform=\"translate(16 " + text_of((top + bottom) / 2, 0) +
          ") rotate(-90)\" text-anchor=\"middle\">measured less truth, " + (plot.relative ? "%" : unit) + "</text>\n";

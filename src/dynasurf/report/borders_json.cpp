@@ -74,6 +74,7 @@ std::optional<heart::Location> read_location(const std::filesystem::path& path) 
   heart::Location heart;
   heart.cup = {vector_in(node, "centre_mm"), vector_in(node, "axis"), positive("radius_mm"), positive("half_length_mm"),
                io::number_in(node, "base_mm")};
+  // Numbers are written with all their digits, so an axis of another length was not written by this program.
   if (!(std::abs(heart.cup.axis.norm() - 1) < 1e-6)) io::refuse_value(node, "an axis of length 1");
   heart.contrast = io::number_in(node, "contrast");
   heart.ridge_share = io::number_in(node, "ridge_share");

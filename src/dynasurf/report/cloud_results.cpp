@@ -47,6 +47,7 @@ Json certificate_json(const cloud::Certificate& c) {
   json["genus"] = c.genus ? Json(*c.genus) : Json(nullptr);
   json["angles_deg"] = angles_json(c);
   json["distances"] = distances_json(c);
+  // An open surface encloses nothing.
   json["volume"] = c.boundary_loops > 0 ? Json(nullptr) : number(c.volume);
   json["area"] = number(c.area);
   return json;
@@ -99,7 +100,7 @@ Json cloud_json(const CloudRun& run) {
   json["points_used"] = f.points_used;
   json["has_normals"] = !used.normals.empty();
   json["has_colours"] = !used.colours.empty();
-  json["scans"] = scans + 1;
+  json["scans"] = scans + 1;  // numbered from 0; points without numbers are one scan
   json["diagonal"] = number(f.diagonal);
   json["spacing"] = number(f.spacing);
   json["noise"] = number(f.noise);

@@ -59,6 +59,7 @@ std::string slices(const ComparedStudy& rest, const ComparedStudy& stress) {
   constexpr std::string_view png_magic = "\x89PNG";
   std::string html;
   for (const auto& [name, study] : {std::pair("Rest", &rest), std::pair("Stress", &stress)}) {
+    // A file of the result folder may be anything; only a PNG goes into the page.
     if (!study->splash_png.starts_with(png_magic)) continue;
     html += std::string("<figure><figcaption>") + name + "</figcaption><img alt=\"Slices of the " + name +
             " study\" src=\"data:image/png;base64," + base64(study->splash_png) + "\"></figure>\n";
@@ -170,7 +171,7 @@ std::string curves_svg(const ComparedStudy& rest, const ComparedStudy& stress) {
     if (const auto curve = curve_of(study->results)) curves.emplace_back(*curve, look);
   for (const auto& [curve, look] : curves)
     for (int n = 0; n <= steps; ++n) top = std::max(top, curve.at(static_cast<double>(n) / steps));
-  top = 20 * std::ceil(top / 20);
+  top = 20 * std::ceil(top / 20);  // so that the four lines stand at multiples of 5 mL
   for (const auto& [curve, look] : curves) {
     lines += std::string("<polyline fill=\"none\" stroke-width=\"2\" ") + look + " points=\"";
     for (int n = 0; n <= steps; ++n) {
@@ -275,6 +276,7 @@ ventricle::PolarValues lost_under_stress(const ventricle::PolarValues& rest, con
 std::string comparison_html(const ComparedStudy& rest, const ComparedStudy& stress, const Json& comparison) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      // The page loads nothing and runs nothing, whatever texts of the results are in it.
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src "
       "data:\">\n"
       "<title>Rest and stress &ndash; Dynasurf</title>\n<style>";

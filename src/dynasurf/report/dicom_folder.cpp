@@ -165,6 +165,7 @@ std::vector<io::DicomSegment> segments_of_gate(const Grid& grid, const ventricle
       "Cavity of the left ventricle", left_ventricle, filled(grid, walls.endo->mesh), {30000, 28000, 20000}};
   io::DicomSegment wall{"Wall of the left ventricle", myocardium, filled(grid, walls.epi->mesh), {38000, 48000, 45000}};
   for (std::size_t v = 0; v < wall.mask.values.size(); ++v)
+    // A voxel belongs to one segment: where the inner surface passes, the wall takes what the cavity leaves.
     if (cavity.mask.values[v] != 0) wall.mask.values[v] = 0;
   if (is_empty(cavity.mask) || is_empty(wall.mask)) return {};
   return {std::move(cavity), std::move(wall)};
@@ -189,6 +190,7 @@ void add_gate(const ventricle::Result& result, const io::DicomResult& context, s
     add(group, volume, ml, millilitre);
     groups.push_back(std::move(group));
   };
+  // Volumes of the surfaces themselves, which voxels only approximate.
   region("Cavity", left_ventricle, 1, walls.endo->volume_ml.value);
   region("Wall", myocardium, 2, walls.epi->volume_ml.value - walls.endo->volume_ml.value);
 }

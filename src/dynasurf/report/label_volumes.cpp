@@ -23,6 +23,7 @@ Parts parts_of(const GateWalls& walls, const Grid& grid) {
   parts.cavity = mesh::voxel_parts(grid, to_grid(grid, *walls.endo));
   parts.wall = mesh::voxel_parts(grid, to_grid(grid, *walls.epi));
   for (std::size_t v = 0; v < grid.size(); ++v)
+    // Where the inner surface leaves the outer one, the difference would fall below 0.
     parts.wall.values[v] = std::max(0.0F, parts.wall.values[v] - parts.cavity.values[v]);
   return parts;
 }
@@ -42,6 +43,7 @@ Mask on_grid(const Mask& mask, const Grid& grid) {
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j)
       for (int i = 0; i < grid.dims[0]; ++i) {
+        // The nearest voxel: labels cannot be interpolated.
         const Index3 v = voxel_of(mask.grid, to_grid(mask.grid, to_world(grid, centre_of(grid, {i, j, k}))));
         if (mask.grid.contains(v[0], v[1], v[2])) moved(i, j, k) = mask(v[0], v[1], v[2]);
       }

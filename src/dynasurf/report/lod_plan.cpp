@@ -28,6 +28,7 @@ LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, 
                 const std::vector<double>& from) {
   LodPlan plan;
   plan.chain = cloud::lod_chain(meshes, rule);
+  // GEN-MIP has both rules: sizes on the screen, and distances that the user sets.
   plan.from = cloud::switch_distances(plan.chain, camera);
   if (!from.empty()) set_intervals(plan, from, camera);
   for (std::size_t n = 0; n + 1 < meshes.size(); ++n)

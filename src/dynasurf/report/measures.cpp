@@ -13,6 +13,7 @@ using detail::vector_json;
 
 Json function_json(const std::optional<ventricle::VolumeCurveFit>& f, double cycle_ms) {
   if (!f) return nullptr;
+  // The fit knows phases of the beat alone; times need the length of the beat, which a study may not tell.
   const auto in_ms = [&](double beats) { return cycle_ms > 0 ? number(beats * cycle_ms) : Json(nullptr); };
   Json json = Json::object();
   json["waves"] = f->waves;
@@ -86,6 +87,7 @@ struct Column {
   std::optional<double> ventricle::SegmentMeasures::*value;
   std::optional<double> ventricle::SegmentErrors::*sd = nullptr;  // null: never known
 };
+/// JSON, CSV and their heads are made of this one list, so that none can lack what another has.
 constexpr std::array<Column, 11> columns{{
     {"perfusion_percent", &ventricle::SegmentMeasures::perfusion_percent, &ventricle::SegmentErrors::perfusion_percent},
     {"thickness_ed_mm", &ventricle::SegmentMeasures::thickness_ed_mm, &ventricle::SegmentErrors::thickness_ed_mm},
@@ -116,6 +118,7 @@ Json segment_json(const ventricle::SegmentMeasures& s) {
   return json;
 }
 
+/// Fixed ends give a colour the same meaning in all studies; maps without them run from the least to the largest value.
 constexpr std::array<PolarKind, 9> kinds{{
     {"perfusion_percent", "Perfusion", "%", &ventricle::PolarMaps::perfusion_percent, 0, 100},
     {"thickness_ed_mm", "Thickness, end diastole", "mm", &ventricle::PolarMaps::thickness_ed_mm, std::nullopt,

@@ -25,7 +25,7 @@ Json gate_json(const MotionRun& run, std::size_t g) {
   Json json = Json::object();
   json["gate"] = g + 1;
   json["twist_deg"] = number(gate.twist_deg);
-  const double reach = 1.645 * gate.twist_sd_deg;
+  const double reach = 1.645 * gate.twist_sd_deg;  // 90 % of a normal distribution
   json["twist_deg_90"] = {number(gate.twist_deg - reach), number(gate.twist_deg + reach)};
   json["torsion_deg_per_cm"] = number(gate.torsion_deg_per_cm);
   put(json, gate.strains);
@@ -79,6 +79,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
            "</text>\n";
   }
   for (std::size_t g = 0; g < gates; ++g)
+    // No more numbers than sixteen fit below the axis.
     if (gates <= 16 || g % ((gates + 15) / 16) == 0)
       svg += "<text class=\"middle\" x=\"" + x_of(g) + "\" y=\"" + text_of(top + height + 16, 0) + "\">" +
              std::to_string(g + 1) + "</text>\n";
@@ -87,13 +88,14 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
     std::string path;
     bool is_on = false;
     for (std::size_t g = 0; g < gates; ++g) {
+      // A gate without a value parts the line.
       if (c.values[g]) path += (is_on ? "L" : "M") + x_of(g) + " " + y_of(*c.values[g]);
       is_on = static_cast<bool>(c.values[g]);
     }
     const std::string y = text_of(top + height + 38, 0);
     svg += "<path d=\"" + path + "\" " + c.look + "/><path d=\"M" + text_of(key, 0) + " " + y + "h18\" " + c.look +
            "/><text x=\"" + text_of(key + 23, 0) + "\" y=\"" + y + "\" dy=\"4\">" + c.name + "</text>\n";
-    key += 42 + 6.4 * c.name.size();
+    key += 42 + 6.4 * c.name.size();  // a letter of 12 px is some 6.4 wide
   }
   return svg + "<text class=\"middle\" x=\"" + text_of(left + width / 2, 0) + "\" y=\"" +
          text_of(top + height + 58, 0) + "\">gate</text>\n";

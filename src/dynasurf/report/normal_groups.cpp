@@ -51,6 +51,7 @@ NormalGroups build_normal_groups(std::vector<GroupedMap> studies, const std::vec
   for (std::size_t from = 0, to = 0; !columns.empty() && from < studies.size(); from = to) {
     const std::vector<std::string>& values = studies[from].values;
     while (to < studies.size() && studies[to].values == values) ++to;
+    // Where a column is not known the study stands in no group, but among all.
     if (std::find(values.begin(), values.end(), "") != values.end()) continue;
     NormalGroups::Group group{values, static_cast<int>(to - from), std::nullopt};
     if (group.studies >= least) group.map = map_of(from, to - from);
@@ -78,6 +79,7 @@ NormalGroups read_normal_groups(const std::filesystem::path& path) {
   const Json json = io::read_json(path);
   const io::JsonNode file = io::root_of(json, path.string());
   NormalGroups normals;
+  // A plain normal map is read as groups without any.
   if (!io::has(file, "schema") || io::text_in(file, "schema") != "dynasurf.normal_groups/1") {
     normals.all = read_normals(path);
     return normals;

@@ -74,6 +74,7 @@ Box box_of(const std::vector<ventricle::Gate>& gates) {
 /// One entry per gate: its vertices, and the number of its triangles in the list that all surfaces share.
 Json surfaces_json(const ventricle::Result& result) {
   const Box box = box_of(result.gates);
+  // Surfaces that came from one start share their triangles, which the page holds once.
   std::vector<const TriMesh*> topologies;
   const auto topology_of = [&](const TriMesh& mesh) {
     const auto at = std::find_if(topologies.begin(), topologies.end(),

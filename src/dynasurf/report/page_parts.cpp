@@ -17,6 +17,8 @@ constexpr int packing_level = 4;
 
 }  // namespace
 
+// The data stand in a script element, which "</script" or "<!--" would end or change: no < remains. All else beyond
+// ASCII is escaped too, so that the encoding of the page does not matter.
 std::string text_for_html(const Json& json) {
   std::string text;
   for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace))

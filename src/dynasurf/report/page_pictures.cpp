@@ -79,6 +79,7 @@ int bin_of(const Study& study, std::size_t most_voxels) {
     const auto rows = static_cast<std::size_t>((dims[1] + bin - 1) / bin);
     return columns * rows * dims[2] * study.gates.size();
   };
+  // Pixels are joined within slices alone; slices are few and far apart already.
   while (voxels() > most_voxels && bin < std::max(dims[0], dims[1])) ++bin;
   return bin;
 }
@@ -93,6 +94,7 @@ Bytes mark_bytes(const Grid& grid, const Mask& borders, const Mask& edges, int b
   for_each_bin(grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
     unsigned marks = 0;
     for (int j = j0; j < j1; ++j)
+      // Marks are joined, where values are averaged: a border one pixel wide must not vanish in a bin.
       for (int i = i0; i < i1; ++i) marks |= marks_at(grid.index(i, j, k));
     bytes.push_back(static_cast<std::uint8_t>(marks));
   });

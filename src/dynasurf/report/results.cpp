@@ -169,6 +169,7 @@ Json gate_json(const ventricle::Gate& gate) {
   return json;
 }
 
+/// The notes of the run, then those of the study and of the labels that it does not repeat.
 Notes all_notes(const ventricle::Result& result) {
   Notes notes = result.notes;
   const auto add = [&notes](Note note, int gate) {
@@ -259,6 +260,8 @@ Json timings_json(const ventricle::Result& result, Timings timings) {
 
 }  // namespace
 
+// The published schema (docs/results.schema.json) names every key that stands here, and the tables of cohorts follow
+// from it.
 Json results_json(const ventricle::Result& result, const Provenance& provenance, Timings timings) {
   Json gates = Json::array();
   for (const ventricle::Gate& gate : result.gates) gates.push_back(gate_json(gate));
