@@ -36,6 +36,7 @@ std::vector<fs::path> sorted_entries(const fs::path& folder, const std::string& 
   return entries;
 }
 
+/// Columns of participants.tsv become columns of the list of studies, where these names have a meaning of their own.
 bool is_group_column(const std::string& name) {
   return name != "path" && name != "id" && name != "series" && name != "fwhm" && name != "fwhm_mm" &&
          name != "options" &&
@@ -50,6 +51,7 @@ std::vector<BidsStudy> bids_studies(const fs::path& dataset) {
   std::vector<BidsStudy> studies;
   for (const fs::path& participant : sorted_entries(dataset, "sub-")) {
     if (!fs::is_directory(participant)) continue;
+    // Sessions are optional in BIDS: the data stand in them, or in the folder of the participant itself.
     std::vector<fs::path> places = sorted_entries(participant, "ses-");
     places.insert(places.begin(), participant);
     for (const fs::path& place : places) {

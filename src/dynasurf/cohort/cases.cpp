@@ -57,6 +57,7 @@ void take_result(const Json& results, CohortCase& one) {
   one.curve_ml = column_at(results, {"gates"}, "endo_ml");
   const Json* flags = value_at(results, {"quality", "flags"});
   if (!flags || !flags->is_array()) return;
+  // The worst first, each code once however many gates have it.
   for (const char* severity : {"failure", "warning", "info"})
     for (const Json& flag : *flags)
       if (const std::string code = flag.value("code", "");
@@ -118,6 +119,7 @@ Cohort read_cohort(const std::filesystem::path& folder,
   for (CohortStudy& study : list.studies) {
     CohortCase one;
     one.study = std::move(study);
+    // A study that is listed and has no row was not run yet.
     if (const auto row = status.find(one.study.id); row != status.end()) one.status = row->second;
     const std::optional<Json> results = one.has_result() ? results_of(folder, one) : std::nullopt;
     use(one, results ? &*results : nullptr);

@@ -11,11 +11,13 @@
 namespace dynasurf::cohort {
 namespace {
 
+/// Columns of more values, such as ages or names, make no groups.
 constexpr std::size_t most_groups = 6;
 constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 
 using Rows = std::vector<StatisticRow>;
 
+/// A result that is not trustworthy counts as none: its numbers may be of anything.
 bool counts(const CohortCase& one) { return one.has_result() && one.status->verdict != "fail"; }
 
 double number_of(const CohortCase& one, std::size_t key) {
@@ -241,9 +243,11 @@ std::string changes_text(const Cohort& first, const Cohort& second) {
       const auto x = value(one), y = value(other);
       const auto difference = x && y ? std::optional(*y - *x) : std::nullopt;
       differs |= x != y;
+      // Sorted by the change of EF: a study that has it in one cohort only stands before all others.
       if (key == 0) change = difference ? std::abs(*difference) : std::numeric_limits<double>::infinity();
       cells += "\t" + text_of(x) + "\t" + text_of(y) + "\t" + text_of(difference);
     }
+    // Negative, so that sorting puts the largest first and equal ones by their ids.
     lines.emplace_back(-change, id + "\t" + reason_of_change(one, other, differs) + "\t" + verdict(one) + "\t" +
                                     verdict(other) + cells + "\n");
   }

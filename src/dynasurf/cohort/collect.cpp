@@ -118,6 +118,7 @@ void Tables::add_list(const std::string& id, const Json& results, const std::vec
 }
 
 void Tables::add(const CohortCase& one, const std::vector<std::string>& groups, const Json* results) {
+  // Which columns there are is known from the schema of the first result; studies without one wait for it.
   if (results && !study_table_) open(groups, results->value("schema", ""));
   if (results && results->value("schema", "") != schema_)
     throw InputError(one.study.id + ": has results of another schema than the studies before it; expected " + schema_);

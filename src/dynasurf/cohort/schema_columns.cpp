@@ -27,6 +27,7 @@ extern const char cloud_schema_end[] asm("dynasurf_cloud_schema_end");
 namespace dynasurf::cohort::detail {
 namespace {
 
+/// What a result tells of its run and of its use, which is no measure of the heart or body.
 constexpr std::array kept_apart{"schema", "use", "options", "timings_s", "memory"};
 
 Json parse(const char* begin, const char* end, const char* name) {
@@ -35,6 +36,7 @@ Json parse(const char* begin, const char* end, const char* name) {
 
 /// A node without references and without "or null"; what the place says of it goes before what the definition says.
 Json resolved(const Json& schema, Json node) {
+  // References that lead around in a circle end after eight steps.
   for (int n = 0; n < 8; ++n) {
     const std::string said = node.value("description", "");
     if (node.contains("anyOf")) {
@@ -159,6 +161,7 @@ std::string cell_in(const Json& object, const Column& column) {
 }
 
 std::string unit_in(const std::string& name) {
+  // The first ending that fits counts: _per_s stands before _s.
   constexpr std::array<std::array<std::string_view, 2>, 16> units{{{"_per_s", "EDV/s"},
                                                                    {"_per_beat", "EDV/beat"},
                                                                    {"_ml", "mL"},

@@ -146,6 +146,7 @@ std::optional<GroupDifference> compare_groups(std::span<const double> first, std
   if (!a.sd || !b.sd || (*a.sd == 0 && *b.sd == 0)) return std::nullopt;
   const double n1 = count(a.n), n2 = count(b.n);
   const double v1 = *a.sd * *a.sd / n1, v2 = *b.sd * *b.sd / n2;
+  // Degrees of freedom of Welch and Satterthwaite.
   const double degrees = (v1 + v2) * (v1 + v2) / (v1 * v1 / (n1 - 1) + v2 * v2 / (n2 - 1));
   const double error = std::sqrt(v1 + v2);
   GroupDifference result{a.n, b.n, a.left_out + b.left_out, {}, {}, 1};

@@ -99,6 +99,7 @@ void write_at_end(int fd, std::string_view text, const fs::path& path) {
   const off_t end = ::lseek(fd, 0, SEEK_END);
   const ssize_t written = end < 0 ? -1 : ::write(fd, text.data(), text.size());
   if (written == static_cast<ssize_t>(text.size())) return;
+  // A short write is taken for a full disk; what was written of the row is taken back, and the table stays whole.
   const int code = written < 0 ? errno : ENOSPC;
   if (end >= 0 && ::ftruncate(fd, end) != 0) io::staging::fail(path, "take back half a row", errno);
   io::staging::fail(path, "write a row", code);

@@ -23,6 +23,7 @@ using detail::TextTable;
 
 bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
 
+/// An id becomes the name of files and folders: nothing in it that a path or a table could take for more.
 bool is_id(const std::string& id) {
   return !id.empty() && id.size() <= 64 && id.front() != '.' && std::all_of(id.begin(), id.end(), [](char c) {
     return is_letter_or_digit(c) || c == '.' || c == '_' || c == '-';
@@ -87,6 +88,7 @@ CohortStudy study_of(const TextTable::Row& row, const Columns& columns, const fs
   study.path = folder / path;
   study.series = cell(columns.series);
   study.id = cell(columns.id);
+  // Made of the words of the table, not of the place of the table: a cohort that is moved keeps its ids.
   if (study.id.empty()) study.id = short_hash(path + "\n" + study.series);
   if (!is_id(study.id))
     refuse(name, row.line, "id is " + study.id + "; expected 1 to 64 letters, digits, dots, - and _, no dot first");
@@ -161,6 +163,7 @@ std::string study_list_text(const StudyList& list) {
   text += "\n";
   for (const CohortStudy& study : list.studies) {
     const std::string path = fs::absolute(study.path).lexically_normal().string();
+    // A name with a tab or line break would become another name when the table is read.
     if (detail::tsv_cell(path) != path)
       throw InputError(path + ": holds a control character, which no table can; expected another name");
     std::string fwhm(32, '\0');

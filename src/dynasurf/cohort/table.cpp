@@ -39,6 +39,7 @@ void add_row(TextTable& table, TextTable::Row row, const std::string& name) {
   table.rows.push_back(std::move(row));
 }
 
+/// Spreadsheets put a byte order mark before UTF-8, which would become part of the first name.
 std::string_view without_mark(std::string_view text) {
   return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
@@ -71,6 +72,7 @@ std::string csv_cell(std::string_view text, std::size_t& at, std::size_t line, c
       if (text[at] == '"') refuse(name, line, "a quote within a cell; expected the whole cell in quotes");
       cell += text[at];
     }
+    // RFC 4180 ends lines by CR LF; a CR elsewhere is part of the cell, and refused as a control character.
     if (cell.ends_with('\r') && (at == text.size() || text[at] == '\n')) cell.pop_back();
     return cell;
   }
@@ -138,6 +140,7 @@ TextTable parse_json_lines(std::string_view text, const std::string& name) {
     for (const auto& [key, value] : object.items()) {
       const auto [at, is_new] = columns.emplace(key, table.head.size());
       if (is_new) table.head.push_back(key);
+      // A key may come first in a later object: rows before it are filled up at the end.
       row.cells.resize(std::max(row.cells.size(), table.head.size()));
       row.cells[at->second] = cell_of(value, name, number);
     }

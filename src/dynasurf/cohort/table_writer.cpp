@@ -10,6 +10,7 @@
 namespace dynasurf::cohort::detail {
 namespace {
 
+/// Names of columns come from tables of users: quoted, none can be more than a name to SQL.
 std::string quoted(const std::string& name) {
   std::string text = "\"";
   for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -34,6 +35,7 @@ int bind(sqlite3_stmt* statement, int place, const std::string& cell, CellType t
     if (const auto [rest, error] = std::from_chars(begin, end, value); error == std::errc{} && rest == end)
       return sqlite3_bind_int64(statement, place, value);
   }
+  // TRANSIENT: SQLite copies the text, which is gone when the row is stepped.
   return sqlite3_bind_text(statement, place, begin, static_cast<int>(cell.size()), SQLITE_TRANSIENT);
 }
 
