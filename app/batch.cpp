@@ -65,6 +65,7 @@ BatchJob job_of(const BatchArguments& a) {
   job.options = a.options;
   const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   job.jobs = a.jobs > 0 ? a.jobs : processors;
+  // All studies together have as many threads as the machine has processors.
   job.threads = std::max(1, processors / job.jobs);
   job.time_limit_s = a.time_limit_s;
   job.memory_bytes = memory_from_text(a.memory);
@@ -103,6 +104,7 @@ ExitCode run(const BatchArguments& a, const std::stop_token& stop) {
                 " studies are done, and the same command goes on from there");
     return not_trustworthy;
   }
+  // A shard is a part: tables of the whole are made when all shards are done, by dynasurf collect.
   if (!a.no_collect && job.shards == 1) collect_cohort(job.cohort, job.cohort / "tables", a.quiet);
   return tally.failed > 0 ? not_trustworthy : done;
 }

@@ -21,6 +21,7 @@ std::optional<std::size_t> StudyQueue::take() {
   for (auto at = waiting_.begin(); at != waiting_.end();) {
     const std::size_t n = *at;
     const Need need = claim(n);
+    // What others work on stays: their process may end without finishing it.
     at = need == Need::someone_else ? std::next(at) : waiting_.erase(at);
     if (need != Need::run) continue;
     taken_.insert(study(n).id);
@@ -30,6 +31,7 @@ std::optional<std::size_t> StudyQueue::take() {
 }
 
 void StudyQueue::record(const cohort::StudyStatus& row) {
+  // The row first: a study without a row and without a claim would be run again.
   status_.append(row);
   claims_.release(row.id);
 }
@@ -78,6 +80,7 @@ StudyQueue::Need StudyQueue::claim(std::size_t n) {
   const cohort::CohortStudy& wanted = study(n);
   if (!has_to_run(wanted)) return Need::none;
   if (!claims_.take(wanted.id)) return Need::someone_else;
+  // Another process may have finished it between the look and the claim.
   status_.read_on();
   if (has_to_run(wanted)) return Need::run;
   claims_.release(wanted.id);

@@ -31,6 +31,7 @@ struct BidsArguments {
 };
 
 bool is_asked_for(const cohort::BidsStudy& one, const std::vector<std::string>& labels) {
+  // BIDS apps take labels without "sub-"; with it they mean the same.
   return labels.empty() || std::any_of(labels.begin(), labels.end(), [&](const std::string& label) {
            return one.participant == (label.starts_with("sub-") ? label : "sub-" + label);
          });

@@ -44,6 +44,7 @@ ChildProgram::ChildProgram(const std::vector<std::string>& words, const std::vec
   try {
     const std::vector<std::string> environment = environment_with(variables);
     const std::lock_guard lock(running().mutex);
+    // Memory first: a child that was started and not noted could not be killed.
     running().children.reserve(running().children.size() + 1);
     child_ = start_child(words, environment, pipe[1], memory_bytes);
     running().children.push_back(child_);
@@ -52,7 +53,7 @@ ChildProgram::ChildProgram(const std::vector<std::string>& words, const std::vec
     ::close(pipe[1]);
     throw;
   }
-  ::close(pipe[1]);
+  ::close(pipe[1]);  // the child has its own; with this one open, its words would never end
 }
 
 ChildProgram::~ChildProgram() {
@@ -76,6 +77,7 @@ std::optional<ChildEnd> ChildProgram::end() {
   rusage used{};
   {
     const std::lock_guard lock(running().mutex);
+    // Under the lock: once it is waited for, the number may be another process's.
     if (::wait4(child_, &status, WNOHANG, &used) == 0) return std::nullopt;
     std::erase(running().children, child_);
   }
@@ -99,6 +101,7 @@ void ChildProgram::kill() {
   ::kill(-group, SIGKILL);
   const auto limit = Clock::now() + std::chrono::milliseconds(300);
   while (!end() && child_ != 0 && Clock::now() < limit) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  // Its own children are not ours to wait for: the group is gone when no signal finds it.
   while (::kill(-group, 0) == 0 && Clock::now() < limit) std::this_thread::sleep_for(std::chrono::milliseconds(2));
 }
 

@@ -42,6 +42,7 @@ Argument& Argument::list_of(int count) {
 }
 
 Argument& Argument::repeated() {
+  // CLI11 would let one --set take every word that follows, those of other arguments too.
   option_->take_all()->allow_extra_args(false);
   return *this;
 }
@@ -64,6 +65,7 @@ Argument CommandLine::option(const std::string& names, T& to, const std::string&
   return Argument(command_->add_option(names, to, what));
 }
 
+// All types of the arguments: the template is made here alone, where CLI11 is known.
 template Argument CommandLine::option(const std::string&, std::string&, const std::string&);
 template Argument CommandLine::option(const std::string&, int&, const std::string&);
 template Argument CommandLine::option(const std::string&, double&, const std::string&);
@@ -94,6 +96,7 @@ void refuse_former_name(const std::vector<std::string>& words) {
 }
 
 void CommandLine::run(Command& chosen, const Command& body) {
+  // Parsing only notes what was chosen: it runs once all words are understood and the limit of memory holds.
   command_->callback([&chosen, body] { chosen = body; });
 }
 

@@ -39,6 +39,7 @@ void prepare_process() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
     if (descriptor == STDOUT_FILENO) output_was_closed = true;
+    // The lowest free number is taken: that of the descriptor that lacks. Where that fails, nothing could be told.
     if (::open("/dev/null", O_RDWR) < 0) std::_Exit(2);
   }
   const rlimit none{0, 0};

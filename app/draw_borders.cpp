@@ -53,6 +53,7 @@ std::string table_of_borders(const ventricle::BorderResult& result) {
 ExitCode draw_borders(const BordersArguments& arguments, std::stop_token stop) {
   const Drawing what = arguments.edges_only ? Drawing::edges : Drawing::borders;
   const fs::path out = arguments.out.path;
+  // Nothing that is read may lie in the folder that is replaced.
   std::vector<fs::path> inputs{arguments.study};
   for (const std::string& given : {arguments.options.mask, arguments.options.file})
     if (!given.empty()) inputs.emplace_back(given);

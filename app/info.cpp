@@ -55,6 +55,7 @@ std::string text_of(const io::StudySearch& found, const fs::path& folder) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [files, what, examination] : found.studies) {
     std::string place = valid_utf8(files.front().lexically_relative(folder).string());
+    // A line break in a name would begin another row.
     std::replace_if(
         place.begin(), place.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
     if (files.size() > 1) place += " and " + std::to_string(files.size() - 1) + " more";

@@ -24,6 +24,7 @@ std::string shell_word(const std::string& word) {
   constexpr const char* plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.=,:+/-";
   if (word.find_first_not_of(plain) == std::string::npos) return word;
   std::string quoted = "'";
+  // A single quote ends the quotes, stands escaped by itself, and begins them again.
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
 }

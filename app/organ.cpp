@@ -58,6 +58,7 @@ Json surface_json(const std::optional<ventricle::Surface>& surface) {
           {"self_intersections", repair.check.self_intersections}};
 }
 
+/// A surface that is open, cuts itself or flew apart encloses no volume.
 bool is_trustworthy(const organ::Result& result) {
   return result.surface && result.surface->stop_reason != dynamics::StopReason::diverged &&
          result.surface->repair.check.closed && result.surface->repair.check.self_intersections == 0;

@@ -78,6 +78,7 @@ ExitCode score(const Scoring& a) {
     throw OptionError("--group belongs to --normals");
   }
   const ventricle::NormalMap* normal = chosen.map;
+  // Without normals the result is held against its own kind, which always fits.
   report::require_same_perfusion(polar.perfusion_is, a.result, normal ? normal->perfusion_is : polar.perfusion_is,
                                  a.normals);
   ventricle::SegmentScores scores =

@@ -100,6 +100,7 @@ ExitCode run(const PhantomArguments& arguments, std::stop_token stop) {
   io::OutputFolder folder(arguments.out.path, arguments.out.existing());
   const synthetic::Phantom phantom = synthetic::make_phantom(options);
   write_phantom(phantom, arguments, folder.path());
+  // A folder that is not published goes, with all that was made.
   if (stop.stop_requested()) throw Cancelled("stopped on request");
   folder.publish();
   if (!arguments.quiet) print(summary_of(phantom) + "phantom: " + arguments.out.path + "\n" + line_of_moved(folder));

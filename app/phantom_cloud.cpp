@@ -30,6 +30,7 @@ ExitCode make_scan(const PhantomArguments& arguments, std::stop_token stop) {
   json["kind"] = "cloud";
   json["points"] = cloud.points.size();
   json["genus"] = synthetic::genus_of(options.shape);
+  // In the cloud's own unit, whatever it is.
   json["volume"] = mesh::volume_mm3(reference);
   json["area"] = mesh::area_mm2(reference);
   json["triangles"] = reference.triangles.size();
@@ -49,6 +50,7 @@ ExitCode make_terrain(const PhantomArguments& arguments, std::stop_token stop) {
   if (arguments.nrrd) throw OptionError("--nrrd: the phantom 'terrain' is no volume");
   if (!arguments.seed.empty()) throw OptionError("--seed: the phantom 'terrain' draws no random numbers");
   synthetic::Terrain options = options_from<synthetic::Terrain>(arguments);
+  // The truth is the same terrain without its spikes.
   synthetic::Terrain hills = options;
   hills.spike_every = 0;
   io::OutputFolder folder(arguments.out.path, arguments.out.existing());

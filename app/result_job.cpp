@@ -19,6 +19,7 @@ namespace {
 /// The folder of a result appears as a whole, with nothing of others in it.
 void refuse_within(const std::filesystem::path& out, const std::filesystem::path& trace) {
   const auto whole = [](const std::filesystem::path& path) {
+    // Weakly: neither place need be there yet.
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
   };
   const std::filesystem::path within = whole(trace).lexically_relative(whole(out));

@@ -76,6 +76,7 @@ ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
   walls.is_fitted = has_fit && !edges;
   const io::JsonNode leading = io::object_of(io::list_in(results, "gates"), gate - 1);
   const io::JsonNode of_gate = walls.is_fitted ? leading : io::object_in(leading, "edge");
+  // Where fitted walls lead, the surfaces of the edges have names of their own.
   const std::string prefix = has_fit && edges ? "edge_" : "";
   walls.endo = surface_of(folder, gate, prefix + "endo"), walls.epi = surface_of(folder, gate, prefix + "epi");
   std::optional<heart::BasePlane> plane;

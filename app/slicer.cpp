@@ -103,6 +103,7 @@ SlicerCall::SlicerCall(std::vector<std::string>& words) {
   if (asked + 1 == words.end()) throw OptionError("--returnparameterfile: names no file");
   file_ = *(asked + 1);
   words.erase(asked, asked + 2);
+  // A parameter that is not set comes as an option with an empty word: both go.
   for (auto word = words.begin(); word != words.end();)
     word = word->starts_with("--") && word + 1 != words.end() && (word + 1)->empty() ? words.erase(word, word + 2)
                                                                                      : word + 1;

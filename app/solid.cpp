@@ -54,6 +54,7 @@ ExitCode run(const SolidArguments& a) {
                {"shape_mean", fixed(solid->quality.shape_mean, 3)}},
               {0}) +
         line_of_moved(output));
+  // Finite elements need tetrahedra of positive volume.
   return solid->quality.not_positive == 0 ? done : not_trustworthy;
 }
 
