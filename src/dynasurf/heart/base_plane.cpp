@@ -69,6 +69,7 @@ std::optional<double> end_of_wall(const Meridian& m, double from, double backgro
   const auto first = static_cast<std::size_t>(std::max(0.0, (from - m.low) / step_mm));
   if (first + 2 >= m.brightness.size()) return std::nullopt;
   const double plateau = quantile(first_of(m.brightness, first + 1), 0.7);
+  // In a defect the wall is as dark as its end.
   if (plateau - background < 0.5 * (typical - background)) return std::nullopt;
   const double level = background + level_share * (plateau - background);
   if (m.brightness[first] < level) return std::nullopt;
@@ -84,7 +85,8 @@ struct End {
   double x, y, z;  // along u, v and the axis, mm
 };
 
-/// z = p[0] + p[1] x + p[2] y.
+/// z = p[0] + p[1] x + p[2] y. Least squares with Tukey's weights: an end farther than 8 mm off the plane does not
+/// count. Tilts are held near 0 by a prior of 0.12, some 7 degrees.
 Eigen::Vector3d fit_plane(const std::vector<End>& ends) {
   constexpr double noise_mm = 3, usual_tilt = 0.12, cut_mm = 8;
   std::vector<double> heights;
@@ -103,6 +105,7 @@ Eigen::Vector3d fit_plane(const std::vector<End>& ends) {
       right += w * e.z * row;
     }
     normal(1, 1) += 1 / (usual_tilt * usual_tilt), normal(2, 2) += 1 / (usual_tilt * usual_tilt);
+    // Where no end is near enough to count, the height stays.
     normal(0, 0) += 1e-9, right[0] += 1e-9 * p[0];
     p = normal.ldlt().solve(right);
   }
@@ -135,6 +138,7 @@ WallProfiles look_at_wall(const Image& image, const LvShell& cup) {
     middle.push_back(quantile(first_of(brightness, static_cast<std::size_t>(-low / step_mm) + 1), 0.7));
   }
   wall.typical = quantile(middle, 0.6);
+  // Surroundings as bright as the wall would leave it no end to be seen.
   wall.background = std::min(surroundings(image, cup, a), 0.5 * wall.typical);
   return wall;
 }
@@ -182,6 +186,7 @@ std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePl
   for (const auto& p : planes) {
     heights.push_back(p ? std::optional((p->point - origin).dot(axis)) : std::nullopt);
     if (!p) continue;
+    // Tangents of the lean, so that their median is a plane again.
     lean_u.push_back(p->normal.dot(a.u) / p->normal.dot(axis));
     lean_v.push_back(p->normal.dot(a.v) / p->normal.dot(axis));
   }

@@ -65,6 +65,7 @@ double cycle_roughness(std::span<const double> values) {
   }
   double squares = 0;
   for (double v : rest) squares += v * v;
+  // The degrees of freedom that the mean and the waves leave: one at least, from six gates on.
   return std::sqrt(squares / (n - 1 - 2 * waves)) / std::abs(mean);
 }
 

@@ -86,6 +86,7 @@ void rasterise_walls(const GateCells& cells, const float* __restrict log_endo, c
     const float q_endo = detail::exp_of(std::min(std::max(log_endo[c], -4.0F), 2.0F));
     const float muscle = detail::exp_of(std::min(std::max(log_wall[c], -9.0F), 4.0F));
     const float endo_cubed = q_endo * q_endo * q_endo;
+    // Volumes add where q^3 does: the outer wall lies outside the inner one whatever the numbers are.
     const float q_epi = detail::cube_root(endo_cubed + muscle);
     const Inside inner = inside_of(q_endo, cells.q[c], cells.edge_q[c]);
     const Inside outer = inside_of(q_epi, cells.q[c], cells.edge_q[c]);

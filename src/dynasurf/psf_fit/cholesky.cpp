@@ -21,12 +21,15 @@ Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_
   lower_.resize(pitch, pitch);
   parallel_for(pitch, detail::line_step, [&](std::size_t from, std::size_t to) {
     const Eigen::Index at = from, end = to;
+    // Lines that fill up the last block are those of the identity, which factor into themselves and touch no other.
     lower_.middleRows(at, end - at) = RowMatrix::Identity(pitch, pitch).middleRows(at, end - at);
     if (at >= count_) return;
     const Eigen::Index rows = std::min(end, count_) - at;
     lower_.block(at, 0, rows, at + rows) = a.block(at, 0, rows, at + rows);
     lower_.diagonal().segment(at, rows) += diagonal.segment(at, rows);
   });
+  // Right-looking, block by block: factor the corner, solve what lies under it, take its products from all that
+  // follows.
   RowMatrix panel(block, pitch);  // columns of the factor, lying
   for (Eigen::Index k = 0; k < pitch; k += block) {
     const Eigen::Index columns = std::min(block, pitch - k), rest = pitch - k - columns;
@@ -52,6 +55,7 @@ Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
   const std::size_t pitch = lower_.cols(), count = count_;
   Eigen::VectorXd x = b;
   detail::solve_numbers(lower_.data(), count, pitch, x.data());
+  // L' x = y by lines of L, which lie together: each number that is found is taken from all before it.
   for (std::size_t i = count; i > 0;) {
     --i;
     const double* const line = lower_.data() + i * pitch;

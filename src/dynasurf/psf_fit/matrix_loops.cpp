@@ -58,6 +58,7 @@ DYNASURF_INLINE void blend_tile(const float* from, std::size_t pitch, std::size_
     for (std::size_t w = 0; w < wide; ++w) store(to + g * to_pitch + w * lanes, sum[g][w]);
 }
 
+/// Adds the lanes by halves: in this order on every machine, however wide its vectors are.
 template <class V>
 DYNASURF_INLINE float sum_of(V v) {
   float half[lanes];
@@ -91,6 +92,7 @@ DYNASURF_INLINE void project_tile(const float* one, const float* two, const floa
 DYNASURF_CLONES
 void add_lines(float* to, std::size_t length, const float* const* from, const float* factor, std::size_t lines) {
   std::size_t n = 0;
+  // Four lines in one pass over the sums, in one expression, which keeps the order of the lines.
   for (; n + 4 <= lines; n += 4) {
     const float *a = from[n], *b = from[n + 1], *c = from[n + 2], *d = from[n + 3];
     const float fa = factor[n], fb = factor[n + 1], fc = factor[n + 2], fd = factor[n + 3];
@@ -149,6 +151,7 @@ void solve_numbers(const double* factor, std::size_t lines, std::size_t pitch, d
     const std::size_t rows = std::min(tall, lines - i);
     const double* row[tall];
     double sum[tall] = {};
+    // Behind the last line it stands in again, so that the inner loop has no branch; those sums go nowhere.
     for (std::size_t t = 0; t < tall; ++t) row[t] = factor + (i + std::min(t, rows - 1)) * pitch;
     for (std::size_t t = 0; t < rows; ++t) sum[t] = to[i + t];
     for (std::size_t n = 0; n < i; ++n)
@@ -202,6 +205,7 @@ void gemm_t(const AlignedMatrix& from, std::size_t lines, const AlignedMatrix& f
     using V = Floats<native>;
     for (std::size_t n = 0; n < lines; n += 2) {
       const float* one = from.values.data() + n * pitch;
+      // An odd last line stands in both places, and its second sum is not stored.
       const float* two = n + 1 < lines ? one + pitch : one;
       const float* values = fields.values.data();
       float* sums = to + n * gates;

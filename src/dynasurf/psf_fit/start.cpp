@@ -70,6 +70,7 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
   Vec3 normals = Vec3::Zero();
   for (const auto& base : start.base)
     if (base) normals += base->normal;
+  // The mean normal of the valve planes is the axis, unless it leans from the given one by more than 26 degrees.
   if (normals.norm() > 0.5 && normals.normalized().dot(axis) > 0.9) axis = normals.normalized();
   const Vec3 z = grid.direction.transpose() * axis;
   Vec3 x = grid.direction.transpose() * start.lateral;
@@ -117,6 +118,7 @@ Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::Vecto
     const double sd = l == 0 ? 2.0 : 0.5 * own::pow(l, -2.0);
     matrix(k, k) += noise * noise / (sd * sd);
   }
+  // As if there were 300 directions, however many there are: the prior weighs the same in every fit.
   const double scale = 300.0 / std::max<Eigen::Index>(1, rows.rows());
   return Cholesky(matrix).solve(rows.transpose() * values * scale);
 }
@@ -190,6 +192,8 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
     const Eigen::VectorXd epi = harmonics_of_surface(start.epi[g], start.frame, start.base[g], most);
     const Eigen::ArrayXd inner = (rows * endo).array().unaryExpr(&own::exp).cube();
     const Eigen::ArrayXd outer = (rows * epi).array().unaryExpr(&own::exp).cube();
+    // The number of the wall is the log of its part of q^3, so that no number makes it thinner than nothing. Where the
+    // walls of a start touch or cross, it gets 0.15 of what the outer one encloses.
     const Eigen::VectorXd muscle = (outer - inner).max(0.15 * outer).unaryExpr(&own::log).matrix();
     gate.segment(layout.endo, harmonics_up_to(layout.endo_degree)) = endo.head(harmonics_up_to(layout.endo_degree));
     gate.segment(layout.wall, harmonics_up_to(layout.wall_degree)) =
@@ -197,6 +201,7 @@ std::vector<Eigen::VectorXd> first_numbers(const PlacedStart& start, const GateL
     gate[layout.uptake] = 0;
     const HeartFrame& frame = start.frame;
     const Vec3 normal = frame.axes.transpose() * start.base[g].normal, point = frame.to_heart(start.base[g].point);
+    // The plane as a height over x and y.
     gate[layout.plane + 1] = -normal[0] / normal[2];
     gate[layout.plane + 2] = -normal[1] / normal[2];
     gate[layout.plane] = point[2] - gate[layout.plane + 1] * point[0] - gate[layout.plane + 2] * point[1];

@@ -21,6 +21,7 @@ std::vector<Wave> waves_up_to(int number, int gates) {
   std::vector<Wave> waves{{0, std::vector<double>(gates, 1.0)}};
   for (int n = 1; n <= number && 2 * n <= gates; ++n)
     for (int phase = 0; phase < 2; ++phase) {
+      // At half as many waves as gates the sine is 0 in every gate, and the cosine is +1 and -1.
       if (2 * n == gates && phase == 1) continue;
       Wave wave{n, {}};
       const double scale = 2 * n == gates ? 1 : std::sqrt(2.0);
@@ -33,6 +34,7 @@ std::vector<Wave> waves_up_to(int number, int gates) {
   return waves;
 }
 
+/// The part of a wave in the start: waves are orthonormal over the gates.
 double mean_product(const Wave& wave, const std::vector<Eigen::VectorXd>& start, int number) {
   double sum = 0;
   for (std::size_t g = 0; g < start.size(); ++g) sum += wave.values[g] * start[g][number];
@@ -140,6 +142,7 @@ void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen
         column.setZero();
         add_gradient(g, of_gates[at].col(static_cast<Eigen::Index>(j)), column);
         for (const Term& b : terms[at][j])
+          // The lower triangle alone; the upper one is its mirror.
           of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
       }
   });

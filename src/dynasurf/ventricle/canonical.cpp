@@ -90,6 +90,7 @@ Study reverse_slices(Study study) {
     for (int low = 0, high = g.dims[2] - 1; low < high; ++low, --high)
       std::swap_ranges(image.values.begin() + low * slice, image.values.begin() + (low + 1) * slice,
                        image.values.begin() + high * slice);
+    // The last slice becomes the first, and the axis runs the other way.
     g.origin += g.direction.col(2) * (g.spacing[2] * (g.dims[2] - 1));
     g.direction.col(2) *= -1;
   }

@@ -20,6 +20,7 @@ double wall_brightness(const Image& image, const Circle& circle, int k) {
   double sum = 0;
   for (int d = 0; d < directions; ++d) {
     const double angle = turn * d / directions;
+    // The brightest on each ray is the wall, wherever it lies; the circle is only known to enclose it.
     float brightest = 0;
     for (double r = 0; r <= circle.radius_px; r += 0.5)
       brightest =
@@ -74,6 +75,7 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
       const double angle = own::atan2(p.j - y, p.i - x);
       auto& r =
           here[static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions)];
+      // Where a direction holds several pixels the outermost counts: the disc reaches to the outside of the ring.
       r = std::max(r.value_or(0), own::hypot(p.i - x, p.j - y));
     }
     for (std::size_t d = 0; d < directions; ++d)
@@ -85,6 +87,7 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
       const double angle = own::atan2(j - y, i - x);
       const auto d =
           static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions);
+      // Rounding must not leave the ring itself out.
       if (own::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
     }
 }
@@ -170,6 +173,7 @@ Image with_room(Image border, int voxels) {
 }
 
 Image spread_to(const Image& image, const Grid& grid) {
+  // with_room only ever adds voxels: a grid of the same size is the same grid.
   if (image.grid.dims == grid.dims) return image;
   const Index3 shift = voxel_of(image.grid, to_grid(image.grid, grid.origin));
   Image spread(grid);

@@ -40,6 +40,7 @@ Image border_strength(const Search& s, int k) {
       const Vec2 ray = Vec2(i, j) - s.centre(k);
       const double distance = ray.norm();
       if (distance == 0 || distance > s.labels.circle.radius_px) continue;
+      // The inner wall lies within the outer one, whatever slopes there are beyond.
       if (bound && !encloses(*bound, Vec2(i, j))) continue;
       const std::size_t at = plane.grid.index(i, j, 0);
       const Vec2 falling(static_cast<double>(slope.x[at]), static_cast<double>(slope.y[at]));
@@ -161,8 +162,10 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
                                std::to_string(std::lround(former_area)) + " to " + std::to_string(std::lround(area)) +
                                " px2; the neighbour's is used",
                            -1, k});
+      // One slice that fails must not wreck those behind it (C3D-PROP).
       r.contour = former;
       r.reason = dynamics::StopReason::max_steps;
+      // The contour has shrunk to nothing: no slice behind it holds one.
     } else if (area < s.options.least_area_px2) {
       return;
     }

@@ -124,6 +124,7 @@ Grid short_axis_grid(const heart::LvShell& heart, double voxel_mm) {
   const double along = heart.half_length_mm + heart.base_mm + 2 * room_along_mm;
   const int side = static_cast<int>(std::ceil(across / voxel_mm)) + 1;
   grid.dims = {side, side, static_cast<int>(std::ceil(along / voxel_mm)) + 1};
+  // From the first voxel centre to the last: the middle of the grid is the middle of the heart.
   const Vec3 extent = (Vec3(grid.dims[0], grid.dims[1], grid.dims[2]) - Vec3::Ones()) * voxel_mm;
   grid.origin = heart.middle() - grid.direction * (extent / 2);
   return grid;

@@ -41,6 +41,8 @@ double wall_in(const std::vector<double>& profile) {
   return *std::max_element(profile.begin(), profile.begin() + wall_to - wall_from + 1);
 }
 
+/// Whether, 10 mm and more beyond the wall, the profile gets nearly as bright as a usual wall without having fallen
+/// much on the way.
 bool touches_something_hot(const std::vector<double>& profile, double typical) {
   constexpr double as_hot = 0.7, hardly_falls = 0.75;
   const auto wall = std::max_element(profile.begin(), profile.begin() + wall_to - wall_from + 1);
@@ -110,6 +112,7 @@ double length_to_width(const Surface& surface, const Vec3& axis) {
   double low = 1e300, high = -1e300;
   for (const Vec3& p : surface.mesh.vertices) low = std::min(low, p.dot(axis)), high = std::max(high, p.dot(axis));
   const double length = high - low;
+  // Of an ellipsoid of revolution: volume = pi / 6 length width^2.
   return length / std::sqrt(6000 * surface.volume_ml / (std::numbers::pi * length));
 }
 
@@ -233,9 +236,11 @@ double noise_of_wall(std::span<const Image> gates, const heart::LvShell& cup) {
       mean += *course[g] / gates.size();
     }
     brightness.push_back(mean);
+    // No gate is an outlier here: all of the noise counts.
     const heart::SmoothCycle smooth = heart::smooth_over_cycle(course, 1e9);
     double sum = 0;
     for (std::size_t g = 0; g < gates.size(); ++g) sum += own::pow(*course[g] - smooth.values[g], 2);
+    // The degrees of freedom that a mean and three waves leave, two waves below twelve gates.
     squares.push_back(sum / (gates.size() >= 12 ? gates.size() - 7 : gates.size() - 5));
   });
   const double typical = quantile(brightness, 0.5);

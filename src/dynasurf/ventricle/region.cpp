@@ -51,8 +51,10 @@ void continue_outwards(Image& image, const Mask& region, const std::vector<std::
         for (int j = std::max(0, v[1] - 1); j <= std::min(g.dims[1] - 1, v[1] + 1); ++j)
           for (int i = std::max(0, v[0] - 1); i <= std::min(g.dims[0] - 1, v[0] + 1); ++i)
             if (has(i, j, k)) sum += image(i, j, k), ++count;
+      // The count is never 0: a voxel of a layer touches the layer before.
       values.push_back(static_cast<float>(sum / count));
     }
+    // Set after all were computed: within a layer no voxel depends on another.
     for (std::size_t n = 0; n < layer.size(); ++n) {
       const Index3& v = layer[n];
       image(v[0], v[1], v[2]) = values[n];

@@ -44,6 +44,7 @@ std::optional<Motion> motion_of(const dynamics::EvolutionResult& evolved, const 
   for (dynamics::TrajectoryStep& step : motion.steps) {
     motion.distances.push_back(mesh::signed_distances_to_border_voxels({step.places, evolved.mesh.triangles}, border));
     for (Vec3& p : step.places) p = to_world(grid, p);
+    // Forces are turned to the world, not moved.
     for (Vec3& pull : step.pulls) pull = grid.direction * pull;
   }
   return motion;

@@ -48,6 +48,7 @@ double nearness(const Grid& grid, double x, double y, double width_share) {
 std::optional<Circle> as_circle(const image::Component& edge, const AutoCircle& o) {
   const image::PixelMean mean = image::mean_of(edge.pixels);
   Circle c{mean.x_px, mean.y_px, 0};
+  // The centroid of an arc lies near the arc, not in the middle of its circle.
   if (o.robust_fit) {
     const auto fit = fit_circle(edge.pixels);
     if (!fit || coverage_deg(edge.pixels, fit->x_px, fit->y_px) < half_turn_deg) return std::nullopt;
@@ -152,6 +153,7 @@ double coverage_deg(const std::vector<image::Pixel>& pixels, double x_px, double
   angles.reserve(pixels.size());
   for (const image::Pixel& p : pixels) angles.push_back(own::atan2(p.j - y_px, p.i - x_px));
   std::sort(angles.begin(), angles.end());
+  // The gap across the seam of the angle, from the last one to the first.
   double widest = angles.front() + 2 * std::numbers::pi - angles.back();
   for (std::size_t n = 1; n < angles.size(); ++n) widest = std::max(widest, angles[n] - angles[n - 1]);
   return 360 - widest * 180 / std::numbers::pi;
@@ -204,6 +206,7 @@ WidestEdge find_widest_edge(const SliceEdges& edges, const Grid& grid, const Axi
       const Ring ring = ring_around(edge.pixels, x, y, o.radius_tolerance_px);
       if (!(ring.share > o.radius_share)) continue;
       const image::PixelMean mean = image::mean_of(edge.pixels);
+      // The thesis names no value to compare; this is distance with the Gaussian of CIRC-CENTROID.
       const double score = ring.radius_px * nearness(grid, mean.x_px, mean.y_px, o.centre_width);
       if (score > best) best = score, widest = {ring.radius_px, edge.slice};
     }

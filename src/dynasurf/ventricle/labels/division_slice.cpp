@@ -26,6 +26,8 @@ std::vector<double> centre_profile(const Image& image, const Axis& axis) {
 int find_division_slice(const std::vector<double>& profile, const std::vector<bool>& has_edges, const DivisionSlice& o,
                         Notes& notes) {
   const int top = static_cast<int>(profile.size()) - 1;
+  // A cavity is dark and the muscle of the apex bright: coming from the base, the centre brightens where the cavity
+  // ends.
   const auto rise_into = [&](int k) { return profile[k] - profile[k + 1]; };
   const auto bright = [&](int k) { return profile[k] > o.floor; };
 
@@ -79,6 +81,7 @@ std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int low
   if (tip == 0 || tip == top) return WallTip{static_cast<double>(tip), at(tip)};
 
   const double curvature = at(tip - 1) - 2 * at(tip) + at(tip + 1);
+  // The vertex of the parabola through the peak and its neighbours.
   const double vertex = curvature < 0 ? 0.5 * (at(tip - 1) - at(tip + 1)) / curvature : 0;
   return WallTip{tip + std::clamp(vertex, -0.5, 0.5), at(tip)};
 }
@@ -119,6 +122,7 @@ RefinedDivision refine_division_slice(int c, int slices, const std::function<int
     return {c, 0, false};
   }
 
+  // The rows of table 2.1 count in binary: one border is 0, two are 1, from A down to C.
   const int number = 1 + 4 * (n_a > 1) + 2 * (n_b > 1) + (n_c > 1);
   const bool a_was_misjudged = number == 3 && seen(c + 3) > 1;
   const Row& row = table[static_cast<std::size_t>(a_was_misjudged ? 0 : number)];

@@ -15,6 +15,7 @@ field::VectorField slice_flow(const Image& image, const SliceFlow& options) {
   for (float& v : strength.values) v /= max;
 
   Grid one = image.grid;
+  // Alone in its grid a slice has no neighbours above and below: the flow is that of the plane.
   one.dims[2] = 1;
   const auto area = static_cast<std::ptrdiff_t>(one.size());
   parallel_for(image.grid.dims[2], 1, [&](std::size_t k, std::size_t) {
@@ -67,6 +68,7 @@ std::vector<std::size_t> meeting_points(const FieldLine& line, double least) {
     if (u[n + 1] < 0 && static_cast<double>(u[n]) - u[n + 1] > least) {
       const float here = u[n], there = -u[n + 1];
       points.push_back(here < there || (here == there && line.value[n] > line.value[n + 1]) ? n : n + 1);
+      // A component of exactly 0 between the two is where they meet.
     } else if (u[n + 1] == 0 && n + 2 < u.size() && u[n + 2] < 0 && static_cast<double>(u[n]) - u[n + 2] > least) {
       points.push_back(n + 1);
     }
@@ -80,6 +82,7 @@ std::vector<std::size_t> quiet_points(const FieldLine& line, double longest, con
   const auto width = static_cast<std::size_t>(o.width_px);
   for (std::size_t n = 1; n + 1 < length.size(); ++n) {
     if (!(length[n] < o.low * longest)) continue;
+    // One side may be as low: on a plateau of two pixels both would be lost otherwise.
     const bool minimum = length[n] <= length[n - 1] && length[n] <= length[n + 1] &&
                          (length[n] < length[n - 1] || length[n] < length[n + 1]);
     const std::size_t first = n > width ? n - width : 0, last = std::min(length.size() - 1, n + width);

@@ -19,6 +19,7 @@ void require_size(std::size_t found, std::size_t expected, const char* what) {
 
 int score_of(double percent) {
   int score = 0;
+  // Every cut that is not reached adds a point, up to 4.
   for (const double cut : {70.0, 60.0, 50.0, 30.0}) score += percent < cut;
   return score;
 }
@@ -64,6 +65,7 @@ std::optional<DefectMeasures> measure_defect(const PolarValues& perfusion, std::
     const double below = (*normal.mean[n] - *perfusion[n]) / *normal.sd[n];
     if (below <= limit_sd) continue;
     sick += area[n], depth += area[n] * below;
+    // The share of normal uptake that is missing: 0 as normal, 1 without uptake.
     lack += area[n] * std::clamp(1 - *perfusion[n] / *normal.mean[n], 0.0, 1.0);
   }
   if (!(all > 0)) return std::nullopt;

@@ -42,6 +42,7 @@ constexpr std::array<Segment, 20> twenty{{
 bool holds(const Segment& s, const PolarPoint& at) {
   if (at.rho < s.rho_low || at.rho >= s.rho_high) return s.rho_high == 1 && at.rho == 1;
   if (s.width_deg >= 360) return true;
+  // Angles close at 360: the sector about 0 begins below it.
   double from_start = at.angle_deg - (s.middle_deg - s.width_deg / 2);
   from_start -= 360 * std::floor(from_start / 360);
   return from_start < s.width_deg;

@@ -32,6 +32,7 @@ double residual(const PeriodicCurve& curve, std::span<const double> values) {
   double squares = 0;
   const auto n = static_cast<double>(values.size());
   for (std::size_t g = 0; g < values.size(); ++g) {
+    // The volume of a gate is that of its middle.
     const double miss = values[g] - curve.at((g + 0.5) / n);
     squares += miss * miss;
   }
@@ -102,6 +103,7 @@ PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
 
 PeriodicCurve without_gate_averaging(PeriodicCurve curve, int gates) {
   for (std::size_t k = 0; k < curve.cosine.size(); ++k) {
+    // The mean over a gate, 1 / gates of the beat long, has scaled wave k by sin(x) / x.
     const double x = std::numbers::pi * (k + 1) / gates;
     curve.cosine[k] *= x / own::sin(x), curve.sine[k] *= x / own::sin(x);
   }
