@@ -21,6 +21,7 @@ constexpr std::size_t samples_of_mesh = 50000;
 constexpr std::size_t measure_grain = 2048;
 
 double smallest_angle_deg(const Vec3& a, const Vec3& b, const Vec3& c) {
+  // By atan2: the arc cosine loses small angles to rounding.
   const auto angle = [](const Vec3& u, const Vec3& v) { return own::atan2(u.cross(v).norm(), u.dot(v)); };
   return std::min({angle(b - a, c - a), angle(c - b, a - b), angle(a - c, b - c)}) * 180 / std::numbers::pi;
 }
@@ -133,6 +134,7 @@ Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   c.components = top.components;
   if (c.manifold && c.oriented && !mesh.triangles.empty()) {
     c.boundary_loops = c.closed ? 0 : static_cast<int>(loops_of(mesh).size());
+    // From V - E + F = 2 (components - genus) - loops.
     c.genus = top.components - static_cast<int>((top.euler + c.boundary_loops) / 2);
   }
   measure_angles(mesh, c);

@@ -9,12 +9,14 @@ namespace dynasurf::cloud {
 Groups::Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
 
 std::uint32_t Groups::find(std::uint32_t i) {
+  // Halves the path on its way, so that later looks are short.
   while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
   return i;
 }
 
 void Groups::join(std::uint32_t a, std::uint32_t b) {
   a = find(a), b = find(b);
+  // The lowest member leads: which one does not depend on the order of the joins.
   parent_[std::max(a, b)] = std::min(a, b);
 }
 

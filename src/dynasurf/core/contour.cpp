@@ -25,6 +25,7 @@ std::optional<Place> crossing_with_ray(const Contour& c, const Vec2& centre) {
   double far = 0;
   for (std::size_t e = 0; e < c.edges(); ++e) {
     const Vec2 a = c.points[e] - centre, b = c.end_of_edge(e) - centre;
+    // A point on the ray counts to one side alone, so that it is crossed once by the two edges that it joins.
     if ((a.y() < 0) == (b.y() < 0)) continue;
     const double share = a.y() / (a.y() - b.y());
     const double x = a.x() + share * (b.x() - a.x());
@@ -60,6 +61,7 @@ double length_of(const Contour& c) {
 }
 
 Vec2 centroid_of(const Contour& c) {
+  // Seen from a point of the contour: far from the origin the products would cancel out.
   const Vec2& origin = c.points[0];
   double twice = 0;
   Vec2 sum = Vec2::Zero(), mean = Vec2::Zero();

@@ -51,6 +51,7 @@ std::string list_text(const List& numbers) {
 /// "1280,320" or "[1280, 320]"; nothing for anything else.
 template <class Number>
 std::optional<std::vector<Number>> numbers_in(std::string_view text) {
+  // A bracket that stands alone is a slip.
   if (text.starts_with('[') != text.ends_with(']')) return std::nullopt;
   if (text.starts_with('[')) text = text.substr(1, text.size() - 2);
   std::vector<Number> numbers;
@@ -85,6 +86,7 @@ std::size_t typing_errors(std::string_view a, std::string_view b) {
 /// The word nearest to `typed`, or nothing when none looks like it.
 std::string_view nearest(std::string_view typed, std::span<const std::string_view> words) {
   std::string_view best;
+  // Two errors, or one in three letters; a beginning of three letters counts as one error.
   std::size_t least = std::max<std::size_t>(2, typed.size() / 3) + 1;
   for (const std::string_view word : words) {
     const bool cut_short = typed.size() >= 3 && word.starts_with(typed);
@@ -335,6 +337,7 @@ std::size_t position_of(std::span<const std::string_view> words, std::string_vie
 
 void set_option(const OptionNodes& nodes, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
+  // Dots around the path show empty names at its ends too, as two dots in a row.
   std::string path = ".";
   path += assignment.substr(0, equals);
   path += '.';

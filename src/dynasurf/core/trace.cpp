@@ -34,6 +34,7 @@ struct TraceState {
   std::atomic<std::size_t> loops{0};
 
   void note(Event event) {
+    // Before the lock: to wait for it is no part of the event.
     event.end_us = now_us();
     const std::lock_guard lock(mutex);
     event.thread = threads.emplace(std::this_thread::get_id(), static_cast<int>(threads.size()) + 1).first->second;

@@ -71,12 +71,14 @@ Image double_resolution(const Image& image, DoublingMask mask) {
   Grid grid = image.grid;
   for (int& n : grid.dims) n *= 2;
   grid.spacing /= 2;
+  // The first of two halves of a voxel: its centre lies half of its own side before the old one.
   grid.origin -= grid.direction * grid.spacing / 2;
   Image result(grid);
   const float beside = mask == DoublingMask::three ? 0.5F : 0.0F, diagonal = mask == DoublingMask::three ? 0.5F : 1.5F;
   for_each_slice(grid, [&](int k) {
     for (int j = 0; j < grid.dims[1]; ++j)
       for (int i = 0; i < grid.dims[0]; ++i) {
+        // The neighbours on the side of this quadrant.
         const int a = i % 2 ? 1 : -1, b = j % 2 ? 1 : -1, c = k % 2 ? 1 : -1;
         const auto plane = [&](int z) {
           return (2.5F * image.clamped(i / 2, j / 2, z) +
@@ -105,6 +107,7 @@ Image cut_property(Image image, const PropertyCut& cut) {
       smooth(smoothed, half);
       for (int j = 0; j < slice.height; ++j)
         for (int i = 0; i < slice.width; ++i)
+          // From the values after the cut, so that the step of the cut itself is softened.
           if (std::abs(beyond(i, j)) <= cut.band_px) slice(i, j) = smoothed(i, j);
     }
     put_slice(slice, image, k);

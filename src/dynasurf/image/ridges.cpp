@@ -36,8 +36,10 @@ RidgeOffset ridge_offset(const Slice& m, int i, int j, float x, float y) {
   if (step == 0) return {};
   const float ahead = along(m, i, j, x, y), behind = along(m, i, j, -x, -y);
   const float bend = ahead + behind - 2 * m(i, j);
+  // No maximum in between: a plateau, or a pixel that was kept though it is no ridge.
   if (!(bend < 0)) return {};
   const float t = std::clamp((behind - ahead) / (2 * bend), -0.5F, 0.5F);
+  // The values were read where the larger component is one pixel.
   return {t * x / step, t * y / step};
 }
 
@@ -56,6 +58,7 @@ void trace(const Slice& ridges, float low, float high, Mask& edges, int k) {
     for (int i = 0; i < ridges.width; ++i)
       if (reaches(i, j, high)) edges(i, j, k) = major_edge, stack.emplace_back(i, j);
   while (!stack.empty()) {
+    // Canny's hysteresis: what is marked does not depend on the order in which pixels are visited.
     const auto [ci, cj] = stack.back();
     stack.pop_back();
     for (int j = std::max(0, cj - 1); j <= std::min(ridges.height - 1, cj + 1); ++j)

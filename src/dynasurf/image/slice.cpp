@@ -13,6 +13,7 @@ Slice slice_of(const Image& image, int k) {
   return slice;
 }
 
+// Slices of an image lie apart in memory: several threads may put theirs at once.
 void put_slice(const Slice& slice, Image& image, int k) {
   std::copy(slice.values.begin(), slice.values.end(),
             image.values.begin() + static_cast<std::ptrdiff_t>(image.grid.index(0, 0, k)));

@@ -51,6 +51,7 @@ void CrossingGuard::fill() {
       const Corners c = surface_.corners(t);
       length += (surface_.position(c[1]) - surface_.position(c[0])).norm();
     }
+  // Cells a little larger than a mean edge: a triangle lies in a few cells, and a cell holds a few triangles.
   side_ = std::max(1.2 * length / std::max<std::size_t>(1, surface_.triangles()), 1e-300);
   buckets_.assign(std::bit_ceil(2 * surface_.triangles() + 1), {});
   entries_ = 0;
@@ -68,6 +69,7 @@ std::size_t CrossingGuard::bucket_of(int x, int y, int z) const {
   const std::uint64_t h = static_cast<std::uint32_t>(x) * 0x9e3779b97f4a7c15u ^
                           static_cast<std::uint32_t>(y) * 0xc2b2ae3d27d4eb4fu ^
                           static_cast<std::uint32_t>(z) * 0x165667b19e3779f9u;
+  // Cells that fall into one bucket cost looks and nothing else: triangles are tested by themselves.
   return (h ^ h >> 31) & (buckets_.size() - 1);
 }
 
@@ -84,6 +86,7 @@ void CrossingGuard::insert(std::uint32_t t) {
       }
 }
 
+// Entries of former positions stay: a look at one finds the triangle as it is, and they are swept when they are many.
 void CrossingGuard::update(std::uint32_t t) {
   if (entries_ > 3 * entries_at_fill_ + 1000) fill();
   if (surface_.is_alive(t)) insert(t);
@@ -99,6 +102,7 @@ bool CrossingGuard::would_cross(std::span<const Corners> added, std::span<const 
   seen_.resize(surface_.triangle_slots(), 0);
   for (const Corners& s : added) {
     ++now_;
+    // A stamp for each triangle in question: no list of those that were seen has to be cleared.
     for (const std::uint32_t t : instead_of) seen_[t] = now_;
     const auto box = box_of(p, s);
     const Cell low = cell_of(box.min()), high = cell_of(box.max());

@@ -43,6 +43,7 @@ Block stiffness_of(const TetMesh& solid, std::size_t number, const Elasticity& m
     gradient[0] -= gradient[k + 1];
   }
   const double nu = material.poisson;
+  // Lame's constants.
   const double lambda = material.young_mpa * nu / ((1 + nu) * (1 - 2 * nu)), mu = material.young_mpa / (2 * (1 + nu));
   Block k;
   for (int i = 0; i < 4; ++i)
@@ -83,11 +84,13 @@ std::vector<Vec3> solve_elastic(const TetMesh& solid, const Elasticity& material
         const std::uint32_t other = t[j];
         const int column = unknown[other];
         if (column < 0) {
+          // What is known goes to the right-hand side.
           load.segment<3>(row) -= k.block<3, 3>(3 * i, 3 * j) * moved[other];
           continue;
         }
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
+            // The lower triangle, which the factorisation reads.
             if (row + r >= column + c) entries.emplace_back(row + r, column + c, k(3 * i + r, 3 * j + c));
       }
     }

@@ -79,6 +79,7 @@ bool try_flip(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t h, double be
   const double bend_before = n1.dot(n2), bend_after = m1.dot(m2);
   if (bend_after < bend_limit && bend_after < bend_before) return false;
   if (bend_before < bend_limit && bend_after < bend_before + 0.05) return false;
+  // Both new triangles face where the old ones did: none folds over.
   const Vec3 facing = n1 + n2;
   if (facing.dot(m1) < 0.3 * facing.norm() || facing.dot(m2) < 0.3 * facing.norm()) return false;
   const std::array<Corners, 2> fresh{Corners{d, c, a}, Corners{c, d, b}};
@@ -176,6 +177,7 @@ bool try_move(SurfaceEditor& s, CrossingGuard& guard, std::uint32_t v, double sp
   if (!(normal.norm() > 0)) return false;
   normal.normalize();
   const Vec3 u = normal.unitOrthogonal(), w = normal.cross(u);
+  // Places are tried within the tangent plane, so that the surface keeps its shape.
   const Vec3 inward = (middle - p) - (middle - p).dot(normal) * normal;
   const Firm firm = firm_at(s, v, spread);
   double best = worst_at(s, v, p, -2);
@@ -249,6 +251,7 @@ bool split_one(SurfaceEditor& s, CrossingGuard& guard, std::span<const double> s
     edges.push_back({-(s.position(s.to(h)) - s.position(s.from(h))).norm() / wanted, h});
   }
   std::sort(edges.begin(), edges.end());
+  // The number of triangles is owed: where no edge has well-shaped halves, the best that there are will do.
   for (const double ease : {1.0, 0.5, 0.0})
     for (const auto& [length, h] : edges) {
       const std::uint32_t o = s.twin(h), a = s.from(h), b = s.to(h);

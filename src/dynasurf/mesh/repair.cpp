@@ -109,6 +109,7 @@ bool tidy_vertex(Vec3& position, std::span<const Vec3> p, Ring ring, double goal
   const Fitness now = fitness(position, p, ring, normal);
   if (now.shape >= goal) return false;
   Vec3 way = centroid_of(p, ring) - position;
+  // Square to the direction in which the volume grows, the enclosed volume stays as it is.
   way -= way.dot(normal) * normal;
   for (double share = 1; share > 0.1; share /= 2) {
     const Vec3 tried = position + share * way;
@@ -179,6 +180,7 @@ UntangleReport free_of(SelfIntersections& meeting, TriMesh& mesh, int rounds) {
   if (meeting.free()) {
     report.left = 0;
   } else {
+    // A surface that could not be freed is left as it was: its vertices at least are those that were found.
     mesh = before;
     meeting = meeting_before;
   }

@@ -59,6 +59,7 @@ Box box_of(const RightVentricle& v) {
 }
 
 bool in_sector(const Vec3& p, double towards_deg, double width_deg) {
+  // To within half a turn, so that a sector may lie across the seam of the angle.
   const double beside = std::remainder(own::atan2(p[1], p[0]) / degrees - towards_deg, 360.0);
   return std::abs(beside) <= width_deg / 2;
 }
@@ -70,6 +71,7 @@ Image render_scene(const Grid& grid, const Frame& frame, const Scene& scene, dou
   Box box;
   box.low.setConstant(std::numeric_limits<double>::infinity());
   box.high = -box.low;
+  // The box of a box that was turned.
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 p{(corner & 1 ? scene.support.high : scene.support.low)[0],
                  (corner & 2 ? scene.support.high : scene.support.low)[1],
@@ -88,6 +90,7 @@ TriMesh place_in_world(const Grid& grid, const Frame& frame, TriMesh mesh) {
 
 double fwhm_before_filter(double fwhm_mm, const Noise& noise) {
   if (noise.peak_counts <= 0) return fwhm_mm;
+  // Widths of Gaussians that follow each other add by their squares.
   return std::sqrt(std::max(0.0, fwhm_mm * fwhm_mm - noise.filter_fwhm_mm * noise.filter_fwhm_mm));
 }
 

@@ -125,6 +125,7 @@ TriMesh level_surface(const Level& level, double extent) {
   TriMesh mesh = mesh::marching_cubes(image, 0);
   for (Vec3& p : mesh.vertices) {
     p = place(p);
+    // Marching cubes interpolates linearly; Newton steps bring its vertices onto the surface itself.
     for (int n = 0; n < 3; ++n) {
       constexpr double h = 1e-4;
       Vec3 slope;

@@ -41,6 +41,7 @@ Vec3 middle_of(const CylinderCup& outer) { return {0, 0, (outer.height_mm - oute
 double volume_below(const CylinderCup& cup, double z) {
   const double r = cup.radius_mm;
   if (z <= -r) return 0;
+  // A cap of the half sphere below 0, the cylinder above.
   if (z <= 0) return M_PI * (z + r) * (z + r) * (2 * r - z) / 3;
   return M_PI * r * r * (2.0 / 3.0 * r + std::min(z, cup.height_mm));
 }

@@ -8,6 +8,7 @@
 namespace dynasurf::synthetic {
 namespace {
 
+/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): every bit of the result depends on all of z.
 std::uint64_t scramble(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
@@ -23,6 +24,7 @@ double log_factorial(double k) {
   }
   const double x = k + 1, x2 = x * x;
   constexpr double half_log_two_pi = 0.91893853320467274178;
+  // Stirling's series.
   return (x - 0.5) * own::log(x) - x + half_log_two_pi + (1.0 / 12 - (1.0 / 360 - 1.0 / (1260 * x2)) / x2) / x;
 }
 
@@ -61,6 +63,7 @@ std::uint64_t Random::next() {
   return scramble(state_);
 }
 
+// The middle of one of 2^53 equal parts: 0, which has no logarithm, never comes out.
 double Random::uniform() { return ((next() >> 11) + 0.5) * 0x1.0p-53; }
 
 double Random::normal() {

@@ -65,6 +65,7 @@ std::vector<Image> run(const Projections& p, const Image*, const Fbp& o) {
   parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
       Columns sum(p.size);
+      // Two views in one transform: one is its real, the other its imaginary part.
       for (std::size_t v = 0; v < p.views(); v += 2) {
         const std::size_t next = std::min(v + 1, p.views() - 1);
         std::vector<float> first = view_of(p, p.gates[g], v), second = view_of(p, p.gates[g], next);
@@ -121,6 +122,7 @@ std::vector<Image> run(const Projections& p, const Image* attenuation, const Ose
   const std::size_t subsets = o.subsets, per_subset = p.views() / subsets;
   for (std::size_t turn = 0; turn < o.iterations * subsets; ++turn) {
     std::vector<std::size_t> subset;
+    // Views of a subset lie evenly around the patient.
     for (std::size_t s = 0; s < per_subset; ++s) subset.push_back(turn % subsets + s * subsets);
     std::vector<ViewModel> models(per_subset);
     parallel_for(per_subset, 1, [&](std::size_t begin, std::size_t end) {

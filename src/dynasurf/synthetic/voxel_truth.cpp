@@ -7,6 +7,7 @@
 namespace dynasurf::synthetic {
 namespace {
 
+/// Above 0 in any case: in an empty image the level is 0, and nothing is wall.
 Mask reach_level(const Image& image, double fraction) {
   Mask mask(image.grid);
   if (image.values.empty()) return mask;

@@ -57,6 +57,7 @@ Image smoothed_plane(const Image& plane, double sigma_px) {
     throw OptionError("smoothed_plane: sigma_px is " + std::to_string(sigma_px) + "; expected 0 to 100");
   if (sigma_px == 0) return plane;
   const std::vector<double> half =
+      // Beyond four standard deviations a Gaussian is 0.0003 of its peak.
       image::half_gaussian(sigma_px, std::max(1, static_cast<int>(std::ceil(4 * sigma_px))));
   return image::convolve_along(image::convolve_along(plane, half, 0), half, 1);
 }
@@ -76,6 +77,7 @@ Image image_potential(const Image& plane, const Potential& requested) {
   if (options.source == PotentialSource::gradient)
     image = each_pixel(image.grid, [&](int i, int j) { return field::detail::gradient_at(image, i, j, 0).norm(); });
   const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
+  // A gradient has a zero of its own; intensities are counted from their least value.
   const double bottom = options.source == PotentialSource::gradient ? 0 : static_cast<double>(*low);
   const double top = static_cast<double>(*high), range = top - bottom;
   if (!(range > 0)) return Image(image.grid);
@@ -119,6 +121,7 @@ field::VectorField scaled_to_one(field::VectorField field) {
 }
 
 Vec2 force_at(const field::VectorField& field, const Vec2& p) {
+  // Fields are sampled in mm of the grid frame; a plane is its slice at 0.
   return field::sample(field, Vec3(p.x() * field.grid.spacing.x(), p.y() * field.grid.spacing.y(), 0),
                        field::Sampling::trilinear)
       .head<2>();

@@ -64,6 +64,7 @@ bool is_finite(const Image& map) {
   return parallel_max(map.values.size(), grain, [&](std::size_t begin, std::size_t end) {
            int largest = 0;
            for (std::size_t v = begin; v < end; ++v)
+             // Without their signs floats order as their bits do; infinity and all that is no number stand at the end.
              largest = std::max(largest, std::bit_cast<int>(map.values[v]) & 0x7fffffff);
            return largest >= 0x7f800000 ? 1.0 : 0.0;
          }) == 0;
@@ -86,6 +87,7 @@ std::vector<BrickData> data_of(const Image& map) {
       for (int j = low[1]; j <= high[1]; ++j) {
         int other = 0;
         const float* row = map.values.data() + map.grid.index(0, j, k);
+        // By bits, without a branch; 0 and -0 differ, which costs a look and no more.
         for (int i = low[0]; i <= high[0]; ++i) other |= std::bit_cast<int>(row[i]) ^ first;
         if (other != 0) return false;
       }
@@ -213,6 +215,7 @@ Vec3 value_at(const std::vector<band::Level>& levels, std::size_t l, const Index
     for (std::size_t a = 0; a < 3; ++a) {
       const bool far = corner >> a & 1;
       at[a] = far ? next[a] : own[a];
+      // The centre of a fine cell lies a quarter of a coarse cell from the centre of its own.
       weight *= far ? 0.25 : 0.75;
     }
     sum += weight * value_at(levels, l + 1, at);
