@@ -33,6 +33,7 @@ std::vector<std::string> settings_of(const OptionArguments& a) {
   std::vector<std::string> settings;
   if (!a.pipeline.empty()) settings.push_back("pipeline=" + a.pipeline);
   settings.insert(settings.end(), a.settings.begin(), a.settings.end());
+  // Streams write six digits, which would cut a place that a person gave.
   const auto set = [&](const std::string& name, double value) {
     TextOutput text;
     text << "manual." << name << '=' << std::setprecision(12) << value;

@@ -67,6 +67,7 @@ void KdTree::split_level(std::vector<Place>& places, int level) {
       Eigen::Index axis = 0;
       box.sizes().maxCoeff(&axis);
       std::nth_element(first, middle, last, [axis](const Place& a, const Place& b) {
+        // Equal coordinates go by their numbers, so that every library halves alike.
         return a.point[axis] != b.point[axis] ? a.point[axis] < b.point[axis] : a.index < b.index;
       });
       splits_[parts - 1 + m] = {middle->point[axis], static_cast<std::uint32_t>(axis)};
@@ -81,7 +82,7 @@ std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found, double within
     std::size_t node;
     double distance2;
   };
-  std::array<Waiting, 64> stack;
+  std::array<Waiting, 64> stack;  // one a level, and each level halves the points
   std::size_t depth = 0, count = 0;
   stack[depth++] = {0, 0};
   while (depth > 0) {
@@ -118,6 +119,7 @@ void KdTree::keep(std::span<const std::uint8_t> kept, std::span<const Vec3> left
   std::uint32_t at = 0;
   for (std::size_t leaf = 0; leaf + 1 < first_.size(); ++leaf) {
     const std::uint32_t first = first_[leaf], last = first_[leaf + 1];
+    // The splits stay as they are: what is left of a leaf lies where it lay.
     first_[leaf] = at;
     for (std::uint32_t i = first; i < last; ++i) at += kept[i] != 0;
   }

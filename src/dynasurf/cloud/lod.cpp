@@ -40,6 +40,7 @@ double projected_size_px(const Vec3& low, const Vec3& high, const CameraPose& po
     const Vec3 p((corner & 1) ? high[0] : low[0], (corner & 2) ? high[1] : low[1], (corner & 4) ? high[2] : low[2]);
     const Vec3 seen = p - pose.eye;
     const double depth = seen.dot(pose.forward);
+    // A corner beside or behind the eye: the body reaches around the observer, and has no size on the screen.
     if (!(depth > 0)) return no_limit;
     screen.extend(Eigen::Vector2d(seen.dot(right), seen.dot(pose.up)) * (focal / depth));
   }

@@ -17,6 +17,7 @@ int level_of(int triangles) {
                     std::to_string(triangles));
 }
 
+/// The values of GEN-FIT.
 dynamics::Evolution recipe() {
   dynamics::Evolution o = dynamics::free_model();
   o.force.strength = 0.1;
@@ -43,6 +44,7 @@ CloudVoxels voxelise(std::span<const Vec3> points, int cells, int margin) {
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
   CloudVoxels v;
+  // GEN-VOXEL: cubic voxels, so that the body keeps its shape, and empty ones around it for the field.
   v.side = box.sizes().maxCoeff() / (cells - 2 * margin);
   v.origin = box.center() - Vec3::Constant(0.5 * (cells - 1) * v.side);
   v.border = Image(Grid{.dims = {cells, cells, cells}});
@@ -70,6 +72,7 @@ std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const
   for (const int count : triangles) levels.push_back(level_of(count));
   const CloudVoxels voxels = voxelise(points);
   progress("inside", 0, 1);
+  // GEN-GVF.
   const field::FlowResult flow = field::flow_field(voxels.border, field::Gvf{.mu = 2, .iterations = 200}, quiet);
   progress("inside", 1, 1);
   notes.insert(notes.end(), flow.notes.begin(), flow.notes.end());

@@ -59,6 +59,7 @@ Json picture_of(const Cohort& cohort, const CohortCase& one) {
   if (!one.has_result()) return nullptr;
   try {
     const io::Picture picture = io::read_png(result_folder(cohort.folder, one.study.id) / "measures" / "splash.png");
+    // A folder may hold any picture under this name.
     if (picture.width < 2 || picture.height < 2 || picture.width > 4000 || picture.height > 4000) return nullptr;
     const std::string png = io::encode_png(halved(picture));
     return report::detail::base64({png.begin(), png.end()});

@@ -32,6 +32,7 @@ std::vector<fs::path> files_of_input(const fs::path& study) {
   return files;
 }
 
+/// With its length before it: "ab", "c" and "a", "bc" are not the same.
 void add(io::Hasher& hasher, std::string_view text) {
   const std::string size = std::to_string(text.size()) + ":";
   hasher.add(size.data(), size.size());

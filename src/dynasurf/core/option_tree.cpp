@@ -70,6 +70,7 @@ std::optional<std::vector<Number>> numbers_in(std::string_view text) {
 
 /// Levenshtein's distance: how many letters must change.
 std::size_t typing_errors(std::string_view a, std::string_view b) {
+  // Of the table of distances one row is kept at a time.
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -295,6 +295,7 @@ void read_gating(DicomImage& image, const Attributes& root) {
   image.images_in_acquisition = root.soft_whole(DCM_ImagesInAcquisition);
   const auto gated = root.first_item(DCM_GatedInformationSequence);
   if (!gated) return;
+  // In nuclear medicine the delay of the first gate after the R wave stands in this sequence.
   if (const auto delay = gated->soft_number(DCM_TriggerTime)) image.trigger_time = delay;
   image.counts_back_from_r = gated->text(DCM_CardiacFramingType) == "BACK";
   for (const Attributes& rr : gated->items(DCM_DataInformationSequence)) {

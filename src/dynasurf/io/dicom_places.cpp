@@ -66,7 +66,7 @@ void set_gate_times(DicomStack& stack, const DicomImage& image, int rr) {
   if (cycle == 0 && image.nominal_interval && *image.nominal_interval > 0) cycle = *image.nominal_interval;
   if (cycle == 0 && image.heart_rate && *image.heart_rate > 0) cycle = 60000 / *image.heart_rate;
   if (frame_ms == 0 && cycle > 0) frame_ms = cycle / gates;
-  // 300 to 20 beats a minute; what is no beat of a heart is a unit mistaken or a field filled at random.
+  // 300 to 20 beats a minute; a unit that was mistaken, or a field that nobody filled in, falls outside.
   if (!(cycle >= 200 && cycle <= 3000) || !(frame_ms * gates <= 3000)) {
     note(stack.notes, Severity::info, "dicom.no_gate_times",
          "the times of the gates are not in the file or make no heart beat");

@@ -40,6 +40,7 @@ void require_even_slices(std::span<const double> heights, const std::string& fol
   for (std::size_t k = 1; k < heights.size(); ++k) gaps.push_back(heights[k] - heights[k - 1]);
   std::vector<double> sorted = gaps;
   std::sort(sorted.begin(), sorted.end());
+  // The lower median: a gap in which slices are missing is wider, and must not pass for the usual one.
   const double usual = sorted[(sorted.size() - 1) / 2];
   for (std::size_t k = 0; k < gaps.size(); ++k) {
     if (std::abs(gaps[k] - usual) <= std::max(0.02 * usual, same_place_mm)) continue;

@@ -215,6 +215,7 @@ void put_views(Item& root, const Projections& p) {
     slot.push_back(static_cast<Uint16>(n / views + 1));
     view.push_back(static_cast<Uint16>(n % views + 1));
   }
+  // The NM Multi-frame module fixes which vectors a kind of image has, also where each counts to 1 alone.
   std::vector<DcmTagKey> order{DCM_EnergyWindowVector, DCM_DetectorVector, DCM_RotationVector};
   for (const DcmTagKey& tag : order) root.numbers(tag, ones);
   if (p.gates.size() > 1) {

@@ -43,6 +43,7 @@ ByteSource open_source(const fs::path& path) {
 Header read_header(ByteSource& source, const std::string& where) {
   Header header;
   source.read(header.bytes, "header");
+  // Read in the machine's order first; a size that is not 348 is read the other way around.
   header.big_endian = header.at<std::int32_t>(0) != static_cast<std::int32_t>(nifti::header_bytes);
   if (header.at<std::int32_t>(0) != static_cast<std::int32_t>(nifti::header_bytes))
     throw InputError(where + ": is not a NIfTI-1 file: its header does not start with 348");
@@ -129,7 +130,9 @@ Affine affine_of_qform(const Header& header, const std::string& where) {
   const double b = header.real(nifti::quatern), c = header.real(nifti::quatern, 1), d = header.real(nifti::quatern, 2);
   const double rest = 1 - (b * b + c * c + d * d);
   if (!(rest > -1e-5)) throw InputError(where + ": the quaternion of its qform is longer than 1");
+  // The real part of a unit quaternion is not stored: NIfTI has it never below 0.
   const Eigen::Quaterniond q(std::sqrt(std::max(rest, 0.0)), b, c, d);
+  // pixdim[0], qfac: -1 turns the third axis around, which no rotation can.
   const double handedness = header.real(nifti::pixdim) < 0 ? -1 : 1;
   Affine a;
   a.leftCols<3>() =
@@ -165,7 +168,7 @@ Grid grid_of(const Header& header, const Index3& dims, Notes& notes, const std::
                      "the file has neither sform nor qform: where left and right are is assumed, not known"});
   }
   ras *= millimetres_per_unit(header, where);
-  const Vec3 to_lps(-1, -1, 1);
+  const Vec3 to_lps(-1, -1, 1);  // NIfTI counts towards right, anterior, superior
   return grid_from_steps(dims, to_lps.asDiagonal() * ras.leftCols<3>(), to_lps.asDiagonal() * ras.col(3), where);
 }
 

@@ -15,6 +15,8 @@ void read_line(NrrdHeader& header, const std::string& line) {
   const auto colon = line.find(':');
   if (colon == std::string::npos)
     throw InputError(header.where + ": NRRD header line \"" + line.substr(0, 60) + "\" has no colon");
+  // A line with := is a key of whoever wrote the file, which keeps its spelling; fields of the format are known in any
+  // case, with or without blanks.
   const bool is_key = colon + 1 < line.size() && line[colon + 1] == '=';
   std::string name = line.substr(0, colon);
   if (!is_key) {

@@ -204,6 +204,7 @@ std::string decompressed(const MeshFile& file, std::size_t begin, std::string_vi
     count += 2;
     const std::size_t back = ((control & 31) << 8) + byte(at++) + 1;
     if (back > out.size() || count > size - out.size()) broken(at);
+    // Byte by byte: a copy may reach into what it writes, and repeats it then.
     for (std::size_t n = 0; n < count; ++n) out.push_back(out[out.size() - back]);
   }
   if (out.size() != size) broken(packed.size());

@@ -40,6 +40,7 @@ std::string vtu(const mesh::TetMesh& solid, std::span<const VertexScalar> scalar
   return xml.file("UnstructuredGrid", body);
 }
 
+/// gmsh 2.2 as text; nodes and elements are counted from 1.
 std::string msh(const mesh::TetMesh& solid) {
   std::string text =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"wall\"\n$EndPhysicalNames\n$Nodes\n" +
@@ -58,6 +59,7 @@ std::string msh(const mesh::TetMesh& solid) {
   return text + "$EndElements\n";
 }
 
+/// Input of Abaqus: C3D4 is the linear tetrahedron, counted from 1.
 std::string inp(const mesh::TetMesh& solid) {
   std::string text = "*HEADING\ndynasurf, world coordinates LPS, mm\n*NODE\n";
   for (std::size_t v = 0; v < solid.vertices.size(); ++v) {

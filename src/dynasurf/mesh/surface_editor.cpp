@@ -69,6 +69,8 @@ SurfaceEditor::SurfaceEditor(const TriMesh& mesh, Boundary boundary)
   std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
   for (std::uint32_t h = 0; h < from_.size(); ++h) leaving[fill[from_[h]]++] = h;
   for (std::uint32_t h = 0; h < from_.size(); ++h) {
+    // Each half-edge has one twin that runs the other way: with none the surface has a hole or is turned, with two it
+    // branches.
     out_[from_[h]] = h;
     const std::uint32_t end = to(h);
     std::uint32_t found = none;
@@ -80,6 +82,7 @@ SurfaceEditor::SurfaceEditor(const TriMesh& mesh, Boundary boundary)
     if (found == none) refuse();
     twin_[h] = found;
   }
+  // Turning about a vertex meets all half-edges that leave it, unless several fans meet there.
   for (std::uint32_t v = 0; v < out_.size(); ++v)
     if (out_[v] == none || static_cast<std::uint32_t>(valence(v)) != first[v + 1] - first[v]) refuse();
 }
@@ -96,6 +99,7 @@ int SurfaceEditor::valence(std::uint32_t v) const {
 
 bool SurfaceEditor::can_collapse(std::uint32_t h) const {
   const std::uint32_t a = from(h), b = to(h), c = to(next(h)), d = to(next(twin(h)));
+  // The opposite corners lose an edge each: one of three would be left with two.
   if (valence(c) <= 3 || valence(d) <= 3) return false;
   // Two places of the boundary that are no neighbours on it would become a pinch.
   if (is_on_boundary(a) && is_on_boundary(b) && !is_boundary_edge(h)) return false;

@@ -72,6 +72,7 @@ TetQuality tet_quality(const TetMesh& solid) {
     double squares = 0;
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) squares += (solid.vertices[t[i]] - solid.vertices[t[j]]).squaredNorm();
+    // The mean ratio: 1 for a regular tetrahedron, 0 for a flat one.
     const double shape = volume > 0 ? 12 * own::pow(3 * volume, 2.0 / 3) / squares : 0;
     q.not_positive += !(volume > 0);
     q.volume_min = std::min(q.volume_min, volume), q.volume_max = std::max(q.volume_max, volume);

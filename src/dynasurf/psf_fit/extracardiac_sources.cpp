@@ -14,6 +14,7 @@ struct Profiles {
   std::vector<float> along[3];
 };
 
+/// Variances add: of the blur, of the spot, and of the mean over a pixel, whose side squared counts a twelfth.
 double sigma_of(const BeatProblem& problem) {
   const double coarsest = problem.pixels.spacing.maxCoeff();
   return std::sqrt(problem.sigma_mm * problem.sigma_mm + own_sigma_mm * own_sigma_mm + coarsest * coarsest / 12);
@@ -32,6 +33,7 @@ Profiles profiles(const BeatProblem& problem, const Vec3& centre) {
 
 /// Sum over all pixels of values times the spot's image around each pixel: separable.
 std::vector<float> correlate(const BeatProblem& problem, const std::vector<float>& values, double power) {
+  // A power of a Gaussian is a narrower one.
   const double sigma = sigma_of(problem) / std::sqrt(power);
   const Index3 dims = problem.pixels.count;
   std::vector<float> in = values, out;
@@ -81,6 +83,7 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
     for (std::size_t n = 0; n < missing.size(); ++n) weighted[n] = missing[n] * problem.weight[n];
     std::vector<float> amplitude = correlate(problem, weighted, 1);
     for (std::size_t n = 0; n < missing.size(); ++n)
+      // By least squares for a spot at this pixel alone: residual times spot, over spot squared.
       amplitude[n] = allowed[n] && norm[n] > 0 ? amplitude[n] / norm[n] : 0;
     std::vector<std::size_t> order;
     for (std::size_t n = 0; n < missing.size(); ++n)

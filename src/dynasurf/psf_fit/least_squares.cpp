@@ -171,6 +171,7 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
   for (int k = 0; k < count[2]; ++k)
     for (int j = 0; j < count[1]; ++j)
       for (int i = 0; i < count[0]; ++i, ++n)
+        // In diagonal planes, so that no row and no column is left out.
         if (problem.weight[n] > 0 && (i + j + k) % every == 0) chosen.push_back(n);
   const EvenRays rays = even_rays(problem);
   std::vector<Eigen::MatrixXd> of_gate(gates);
@@ -238,6 +239,7 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
     if (solution.objective.gradient.size() == 0)
       solution.objective.gradient = objective_gradient(problem, solution.unknowns, solution.objective);
     Eigen::VectorXd move = Cholesky(whole, solution.damping * belief).solve(solution.objective.gradient);
+    // What the quadratic model of Levenberg and Marquardt promises of this step.
     const double predicted =
         0.5 * move.dot(solution.objective.gradient) + 0.5 * solution.damping * move.dot(belief.cwiseProduct(move));
     Objective next = objective_value(problem, solution.unknowns - move);

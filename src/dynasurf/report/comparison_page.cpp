@@ -236,6 +236,7 @@ std::string map_rows(const ComparedStudy& rest, const ComparedStudy& stress) {
 }
 
 std::string segment_rows(const ComparedStudy& rest, const ComparedStudy& stress, const Json& comparison) {
+  // The scores that are compared are those of the 17 segments.
   const ventricle::SegmentModel model = ventricle::SegmentModel::aha17;
   const ventricle::PolarValues a =
       ventricle::segment_means(model, rest.polar.grid, rest.polar.maps.perfusion_percent, rest.polar.area_mm2);

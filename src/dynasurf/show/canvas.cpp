@@ -177,7 +177,7 @@ void Canvas::raster(const io::Picture& picture, const Panel& box, bool blended) 
       const std::uint32_t word = (std::uint32_t{p[0]} << 16) | (std::uint32_t{p[1]} << 8) | p[2];
       std::memcpy(bytes + static_cast<std::ptrdiff_t>(y) * stride + 4 * static_cast<std::ptrdiff_t>(x), &word, 4);
     }
-  cairo_surface_mark_dirty(image.get());
+  cairo_surface_mark_dirty(image.get());  // its bytes were written without cairo
   cairo_save(c);
   cairo_translate(c, box.x, box.y);
   cairo_scale(c, box.width / picture.width, box.height / picture.height);

@@ -91,6 +91,7 @@ class Show {
     const ShownGate gate = read_gate();
     std::array<Image, 3> bits{Image(gate.labels.grid), Image(gate.labels.grid), Image(gate.labels.grid)};
     for (std::size_t n = 0; n < gate.labels.values.size(); ++n)
+      // Two bits, inner and outer: a voxel that has both is drawn as a set of its own.
       if (const auto label = static_cast<int>(gate.labels.values[n]); label >= 1 && label <= 3)
         bits[label - 1].values[n] = 1;
     const NamedVoxels sets[] = {
@@ -356,6 +357,7 @@ class Show {
   /// The slice and the row that were asked for, or those through the middle of the border's voxels.
   Place place_in(const ShownGate& gate, const ShownWall& wall) const {
     const Grid& g = wall.border.grid;
+    // Slices and rows are counted in the image; the grid of the border may begin before it.
     const Index3 shift = voxel_of(g, to_grid(g, gate.image.grid.origin));
     Vec3 sum = Vec3::Zero();
     double count = 0;

@@ -188,6 +188,7 @@ Canvas draw_sections_of(const Image& image, std::span<const NamedSurface> surfac
       if (const Index3 v = voxel_of(g, p); g.contains(v[0], v[1], v[2])) around(v[0], v[1], v[2]) = 1;
   }
   const Cutout window = window_around(around, 4);
+  // In the frame of the grid slice k lies at k times the spacing.
   std::vector<int> met;
   for (int k = 0; k < g.dims[2]; ++k)
     if (std::any_of(in_grid.begin(), in_grid.end(), [&](const TriMesh& mesh) {

@@ -127,6 +127,7 @@ CupShape mayo_shape(const Mayo& o) {
 /// Height below which the wall has the given volume.
 double height_of_wall_volume(const Cups& cups, double volume_mm3) {
   double low = -cups.outer.radius_mm, high = cups.outer.height_mm;
+  // By halving: a hundred steps reach the last bit.
   for (int n = 0; n < 100; ++n) {
     const double middle = (low + high) / 2;
     (wall_below(cups, middle) < volume_mm3 ? low : high) = middle;

@@ -214,6 +214,8 @@ void project_view(const ViewModel& view, const Columns& activity, std::span<floa
   std::vector<float> sum(square, 0.0F), plane(square), spare(square), aside;
   if (!view.buildup.empty() && !scattered.empty()) aside.assign(square, 0.0F);
   bool any = false;
+  // From the far side on: between two planes the sum is widened by the difference of their point spreads, a narrow blur
+  // for each plane in place of a wide one.
   for (int b = n - 1; b >= 0; --b) {
     if (rotate_plane(view, activity, b, plane.data())) {
       any = true;
@@ -236,6 +238,7 @@ void project_view(const ViewModel& view, const Columns& activity, std::span<floa
 void back_project_view(const ViewModel& view, std::span<const float> bins, Columns& sum) {
   const int n = view.n;
   const std::size_t square = at(n, n);
+  // The transpose of project_view: the transposes of its steps, in reverse order.
   std::vector<float> here(bins.begin(), bins.end()), plane(square), spare(square);
   for (int b = 0; b < n; ++b) {
     if (!view.across_steps.empty())
