@@ -43,7 +43,7 @@ ExitCode run(const BordersArguments& arguments, std::stop_token stop) {
 }  // namespace
 
 int gate_of(const BordersArguments& arguments, const Study& study) {
-  const int gates = static_cast<int>(study.gates.size());
+  const int gates = study.gates.size();
   if (arguments.gate > gates)
     throw OptionError("--gate " + std::to_string(arguments.gate) + ": the study has " + std::to_string(gates));
   return arguments.gate;

@@ -60,7 +60,7 @@ void write_matrix(const BordersArguments& arguments, Drawing what, const Image* 
           column.substr(column.find('=') + 1) + (row.empty() ? "" : " " + row.substr(row.find('=') + 1));
       rows.back().push_back(
           {name, ventricle::find_borders(study, options_of(with), {{}, progress.stop}, {.mask = mask})});
-      progress("choices", ++done, static_cast<int>(across.size() * down.size()));
+      progress("choices", ++done, across.size() * down.size());
     }
   }
   const ventricle::BorderResult& first = rows[0][0].borders;

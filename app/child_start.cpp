@@ -64,7 +64,7 @@ std::vector<std::string> environment_with(std::vector<std::string> variables) {
   const std::size_t own = variables.size();
   const auto name_of = [](std::string_view variable) { return variable.substr(0, variable.find('=')); };
   for (char** variable = environ; variable && *variable; ++variable)
-    if (std::none_of(variables.begin(), variables.begin() + static_cast<std::ptrdiff_t>(own),
+    if (std::none_of(variables.begin(), variables.begin() + own,
                      [&](const std::string& given) { return name_of(given) == name_of(*variable); }))
       variables.emplace_back(*variable);
   return variables;

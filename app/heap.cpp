@@ -20,7 +20,7 @@ void prepare_heap() {
   ::mallopt(M_MMAP_THRESHOLD, largest_kept_bytes);
   // Each heap keeps what its own threads do not use.
   constexpr unsigned threads_a_heap = 4;
-  ::mallopt(M_ARENA_MAX, static_cast<int>(std::max(1u, std::thread::hardware_concurrency() / threads_a_heap)));
+  ::mallopt(M_ARENA_MAX, std::max(1u, std::thread::hardware_concurrency() / threads_a_heap));
   // Most studies fit into this room. Pages of 4 KiB cost them half of the time that they spend in the system.
   constexpr std::size_t room = std::size_t{31} << 20, large_page = std::size_t{2} << 20;
   void* const first = std::malloc(room);

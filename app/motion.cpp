@@ -113,7 +113,7 @@ ExitCode run(const MotionArguments& a, std::stop_token stop) {
   if (!a.result.empty()) walls = read_result_walls(a.result, a.rest_gate);
   report::MotionRun run;
   run.axis = axis_of(a, walls);
-  run.points = static_cast<int>(tracked.points.name.size());
+  run.points = tracked.points.name.size();
   run.notes = std::move(tracked.notes);
   run.motion = ventricle::measure_motion(tracked.points, run.axis, a.rest_gate - 1);
   note_spacing(run);

@@ -54,7 +54,7 @@ Json scores_json(const ventricle::SegmentScores& scores, ventricle::SegmentModel
   json["deficit_percent"] = defect ? Json(defect->deficit_percent) : Json();
   json["segments"] = Json::array();
   for (const ventricle::Segment& s : ventricle::segments_of(model)) {
-    const auto n = static_cast<std::size_t>(s.number - 1);
+    const std::size_t n = s.number - 1;
     json["segments"].push_back({{"number", s.number},
                                 {"name", s.name},
                                 {"score", scores.score[n] ? Json(*scores.score[n]) : Json()},
@@ -100,7 +100,7 @@ ExitCode score(const Scoring& a) {
   }
   std::vector<std::vector<std::string>> rows{{"segment", "name", "score"}};
   for (const ventricle::Segment& s : ventricle::segments_of(model)) {
-    const auto n = static_cast<std::size_t>(s.number - 1);
+    const std::size_t n = s.number - 1;
     rows.push_back({std::to_string(s.number), std::string(s.name),
                     (scores.score[n] ? std::to_string(*scores.score[n]) : std::string("-")) +
                         (scores.by_hand[n] ? " by hand" : "")});

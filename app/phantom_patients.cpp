@@ -119,7 +119,7 @@ std::string make_rows(const PatientsJob& job, std::uint64_t seed, const Progress
   parallel_for(rows.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       progress.check();
-      const Planned planned = plan(job, seed, static_cast<int>(n));
+      const Planned planned = plan(job, seed, n);
       rows[n] = row_of(planned, make_patient(job.out / planned.folder, planned, job.labels));
       const std::lock_guard lock(telling);
       progress("patients", ++made, studies);

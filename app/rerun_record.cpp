@@ -50,8 +50,7 @@ RerunRecord rerun_record_of(const fs::path& result) {
     record.hashes.push_back(io::text_in(input, "sha256"));
     record.names.push_back(io::text_in(input, "file"));
     if (io::has(input, "bytes"))
-      record.bytes.push_back(
-          static_cast<std::uint64_t>(io::whole_in(input, "bytes", 0, std::numeric_limits<std::int64_t>::max())));
+      record.bytes.push_back(io::whole_in(input, "bytes", 0, std::numeric_limits<std::int64_t>::max()));
   }
   if (io::has(provenance, "given")) {
     const io::JsonNode given = io::object_in(provenance, "given");

@@ -49,7 +49,7 @@ std::string gates_of(const ventricle::Result& result) {
   if (!edge_leads) rows[0].insert(rows[0].end(), {"edge endo_ml", "edge epi_ml", "edge wall_ml"});
   rows[0].push_back("on border");
   const auto number = [](const auto& value, int decimals) {
-    return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
+    return value ? fixed(*value, decimals) : std::string("-");
   };
   for (const ventricle::Gate& gate : result.gates) {
     const ventricle::EdgeSurfaces& edge = gate.edge_surfaces;
@@ -77,7 +77,7 @@ std::string gates_of(const ventricle::Result& result) {
 
 std::string summary_of(const ventricle::Result& result) {
   const auto number = [](const auto& value, int decimals) {
-    return value ? fixed(static_cast<double>(*value), decimals) : std::string("-");
+    return value ? fixed(*value, decimals) : std::string("-");
   };
   std::string text = gates_of(result);
   if (result.measures && result.measures->function) {

@@ -48,13 +48,13 @@ std::string escaped(std::string_view text, const IsHidden& is_hidden) {
   while (!text.empty()) {
     const Character character = first_of(text);
     if (character.bytes == 0) {
-      std::snprintf(buffer, sizeof buffer, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(text[0])));
+      std::snprintf(buffer, sizeof buffer, "\\x%02x", static_cast<unsigned char>(text[0]));
       result += buffer;
       text.remove_prefix(1);
       continue;
     }
     if (is_hidden(character.code)) {
-      std::snprintf(buffer, sizeof buffer, "\\u%04x", static_cast<unsigned>(character.code) & 0xFFFFu);
+      std::snprintf(buffer, sizeof buffer, "\\u%04x", character.code & 0xFFFFu);
       result += buffer;
     } else {
       result += text.substr(0, character.bytes);

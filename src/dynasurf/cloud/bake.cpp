@@ -29,7 +29,7 @@ struct Atlas {
     const std::size_t column = square % across, row = square / across;
     const Eigen::Vector2d origin(static_cast<double>(column * side), static_cast<double>(row * side));
     Eigen::Vector2d within(1 + (corner == 1 ? leg() : 0), 1 + (corner == 2 ? leg() : 0));
-    if (triangle % 2 == 1) within = Eigen::Vector2d::Constant(static_cast<double>(side)) - within;
+    if (triangle % 2 == 1) within = Eigen::Vector2d::Constant(side) - within;
     return origin + within;
   }
 
@@ -92,7 +92,7 @@ std::vector<mesh::TexturedMesh::Corner> corners_of(const TriMesh& mesh, const At
 std::array<std::uint8_t, 3> encoded(const Vec3& direction) {
   std::array<std::uint8_t, 3> bytes{};
   for (int axis = 0; axis < 3; ++axis)
-    bytes[axis] = static_cast<std::uint8_t>(std::lround(std::clamp(direction[axis] * 0.5 + 0.5, 0.0, 1.0) * 255));
+    bytes[axis] = std::lround(std::clamp(direction[axis] * 0.5 + 0.5, 0.0, 1.0) * 255);
   return bytes;
 }
 
@@ -138,7 +138,7 @@ mesh::TexturedMesh bake_textures(const TriMesh& mesh, const PointCloud& cloud) {
   if (cloud.points.empty() || cloud.normals.size() != cloud.points.size())
     throw InputError("textures from a cloud without a normal for each point");
   const Atlas atlas = atlas_for(mesh.triangles.size(), cloud.points.size());
-  const auto width = static_cast<int>(atlas.width()), height = static_cast<int>(atlas.height());
+  const int width = atlas.width(), height = atlas.height();
   mesh::TexturedMesh out;
   out.corners = corners_of(mesh, atlas);
   out.normals = {width, height, {}};

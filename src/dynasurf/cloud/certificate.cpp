@@ -102,7 +102,7 @@ Spread spread_of_cloud(const TriMesh& mesh, std::span<const Vec3> points, std::v
     }
   });
   for (std::size_t v = 0; v < errors.size(); ++v)
-    if (weight[v] > 1e-9) errors[v] = static_cast<float>(sum[v] / weight[v]);
+    if (weight[v] > 1e-9) errors[v] = sum[v] / weight[v];
   return spread;
 }
 

@@ -96,7 +96,7 @@ TriMesh deform_start(const TriMesh& target, CloudStart start, const Progress& pr
   for (std::uint32_t n = 0; n < count; ++n) {
     std::transform(part.begin(), part.end(), marks.begin(), [n](std::uint32_t p) { return p == n; });
     const TriMesh mesh = deform_part(mesh::submesh(target, marks), start, progress);
-    const auto first = static_cast<std::uint32_t>(all.vertices.size());
+    const std::uint32_t first = all.vertices.size();
     all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& [a, b, c] : mesh.triangles) all.triangles.push_back({first + a, first + b, first + c});
   }

@@ -195,7 +195,7 @@ class Fit {
         PointPull& pull = pulls_[t];
         pull.block.fill(Mat3::Zero());
         pull.right.fill(Vec3::Zero());
-        const Vec3 facing = normal(static_cast<std::uint32_t>(t));
+        const Vec3 facing = normal(t);
         for (std::uint32_t i = first[t]; i < first[t + 1]; ++i) add_point(pull, order[i], facing, share, soft);
       }
     });

@@ -8,7 +8,7 @@ namespace {
 /// The lid's own vertices and triangles, behind those of the surface.
 void append(ClosedSurface& closed, const Patch& lid, std::size_t old_vertices) {
   const mesh::SurfaceEditor& s = lid.surface;
-  const auto first = static_cast<std::uint32_t>(closed.mesh.vertices.size());
+  const std::uint32_t first = closed.mesh.vertices.size();
   for (std::uint32_t v = lid.first_vertex; v < s.vertex_slots(); ++v) closed.mesh.vertices.push_back(s.position(v));
   for (std::uint32_t t = lid.first_triangle; t < s.triangle_slots(); ++t) {
     if (!s.is_alive(t)) continue;

@@ -11,6 +11,7 @@
 #include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/detail/submesh.hpp"
@@ -238,7 +239,7 @@ void scatter(const std::vector<Vec3>& corners, const Scan& scan, const Holes& op
     const Vec3 &a = corners[t], u = corners[t + 1] - a, v = corners[t + 2] - a, n = u.cross(v);
     if (!(n.norm() > 0)) continue;
     const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()}));
-    const int steps = std::clamp(static_cast<int>(std::ceil(longest / options.spacing)), 1, 64);
+    const int steps = std::clamp(ceil_int(longest / options.spacing), 1, 64);
     for (int i = 0; i < steps; ++i)
       for (int j = 0; i + j < steps; ++j)
         for (const double third : {1.0 / 3, 2.0 / 3}) {

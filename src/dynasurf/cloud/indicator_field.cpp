@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
 
@@ -384,7 +385,7 @@ std::vector<Lattice> cascade(const OrientedPoints& points, const InsideOptions& 
   Lattice fine{{}, side, {}};
   for (std::size_t a = 0; a < 3; ++a) {
     const auto axis = static_cast<Eigen::Index>(a);
-    const int needed = static_cast<int>(std::ceil((box.sizes()[axis] + 2 * margin) / side));
+    const int needed = ceil_int((box.sizes()[axis] + 2 * margin) / side);
     fine.dims[a] = std::max(3, (needed + block - 1) / block) * block + 1;
     fine.origin[axis] = box.center()[axis] - 0.5 * (fine.dims[a] - 1) * side;
   }

@@ -41,8 +41,7 @@ std::vector<KdTree::Place> KdTree::sorted(std::span<const Vec3> points) {
   const std::size_t leaves = std::size_t{1} << depth_;
   splits_.resize(leaves - 1);
   first_.resize(leaves + 1);
-  for (std::size_t l = 0; l <= leaves; ++l)
-    first_[l] = static_cast<std::uint32_t>(part_begin(points.size(), l, depth_));
+  for (std::size_t l = 0; l <= leaves; ++l) first_[l] = part_begin(points.size(), l, depth_);
   for (int level = 0; level < depth_; ++level) split_level(places, level);
   // Each library leaves its own order within the leaves.
   parallel_for(leaves, std::max<std::size_t>(1, leaves / 64), [&](std::size_t begin, std::size_t end) {
@@ -58,9 +57,7 @@ void KdTree::split_level(std::vector<Place>& places, int level) {
   const std::size_t parts = std::size_t{1} << level;
   parallel_for(parts, std::max<std::size_t>(1, parts / 64), [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
-      const auto at = [&](std::size_t part, int of) {
-        return places.begin() + static_cast<std::ptrdiff_t>(part_begin(places.size(), part, of));
-      };
+      const auto at = [&](std::size_t part, int of) { return places.begin() + part_begin(places.size(), part, of); };
       const auto first = at(m, level), middle = at(2 * m + 1, level + 1), last = at(m + 1, level);
       Eigen::AlignedBox3d box;
       for (auto i = first; i != last; ++i) box.extend(i->point);

@@ -69,7 +69,7 @@ LevelPlan faithful_plan() {
 
 std::size_t step_of_fit(const LevelPlan& plan, std::size_t points, std::size_t triangles) {
   const double wanted = std::max(plan.points_per_triangle * triangles, plan.fewest_points);
-  return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(points / wanted)));
+  return std::max<std::size_t>(1, std::lround(points / wanted));
 }
 
 void lighten_for_level(mesh::SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan) {

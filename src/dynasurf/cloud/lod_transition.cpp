@@ -23,7 +23,7 @@ Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::ma
 /// The two parents of every vertex of a mesh that is `coarse` with each triangle cut in four and the vertices of
 /// `coarse` first, which are their own parents. Empty when it is not.
 std::vector<Edge> parents_of(const TriMesh& coarse, const TriMesh& fine) {
-  const auto old_count = static_cast<std::uint32_t>(coarse.vertices.size());
+  const std::uint32_t old_count = coarse.vertices.size();
   if (fine.triangles.size() != 4 * coarse.triangles.size() || fine.vertices.size() <= old_count) return {};
   std::map<Edge, std::uint32_t> middle;  // of the coarse edges; set when seen in the fine mesh
   for (const auto& t : coarse.triangles)
@@ -80,8 +80,8 @@ mesh::SurfacePoint nearest_that_faces(const TriMesh& mesh, const Vec3& p, const 
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!(normal_of(mesh, t).dot(normal) > 0)) continue;
     const auto& [a, b, c] = mesh.triangles[t];
-    const mesh::SurfacePoint found = mesh::closest_on_triangle(p, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c],
-                                                               static_cast<std::uint32_t>(t));
+    const mesh::SurfacePoint found =
+        mesh::closest_on_triangle(p, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c], t);
     if (found.distance2 < best.distance2) best = found;
   }
   return best;
@@ -293,7 +293,7 @@ class Cutting {
   void cut(bool led) {
     for (auto& [edge, middle] : marked_) {
       const auto [a, b] = edge;
-      middle = static_cast<std::uint32_t>(mesh_.vertices.size());
+      middle = mesh_.vertices.size();
       cuts_.push_back({a, b});
       mesh_.vertices.push_back((mesh_.vertices[a] + mesh_.vertices[b]) / 2);
       normals_.push_back((normals_[a] + normals_[b]).normalized());

@@ -98,7 +98,7 @@ void drop_scattered(const std::vector<Vec3>& points, const Company& c, double fa
   const std::vector<std::uint32_t> set = sets_of(c.around);
   std::vector<std::uint32_t> size(points.size(), 0), small;
   for (const std::uint32_t s : set) ++size[s];
-  const auto largest = static_cast<std::uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
+  const std::uint32_t largest = std::max_element(size.begin(), size.end()) - size.begin();
   std::vector<double> usual;
   usual.reserve(size[largest]);
   for (std::uint32_t i = 0; i < points.size(); ++i) {

@@ -24,7 +24,7 @@ Vec3 middle_of(const TriMesh& mesh, const Loop& loop) {
 }
 
 void add_fan(TriMesh& mesh, const Loop& loop) {
-  const auto tip = static_cast<std::uint32_t>(mesh.vertices.size());
+  const std::uint32_t tip = mesh.vertices.size();
   mesh.vertices.push_back(middle_of(mesh, loop));
   for (std::size_t i = 0; i < loop.size(); ++i) mesh.triangles.push_back({loop[(i + 1) % loop.size()], loop[i], tip});
 }
@@ -70,7 +70,7 @@ std::vector<Corners> least_area(const TriMesh& mesh, const Loop& loop, const Edg
         const double sum = parts + 0.5 * (at(j) - at(i)).cross(at(k) - at(i)).norm();
         if (sum < best) {
           best = sum;
-          through[i * n + k] = static_cast<std::uint32_t>(j);
+          through[i * n + k] = j;
         }
       }
     }
@@ -174,7 +174,7 @@ void add_tube(TriMesh& mesh, const Loop& a, Loop b, const Rim& rim_a, const Rim&
     const Mat3 turned = turn(middle, way.direction(t));
     Loop ring;
     for (std::size_t i = 0; i < n; ++i) {
-      ring.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+      ring.push_back(mesh.vertices.size());
       mesh.vertices.push_back(way.place(t) + turned * ((1 - t) * of_a[i] + t * of_b[partner[i] % b.size()]));
     }
     for (std::size_t i = 0; i < n; ++i) {
@@ -211,7 +211,7 @@ double edge_length(const mesh::SurfaceEditor& s, std::uint32_t h) {
 }
 
 void split_long(Patch& p, double length) {
-  const auto half_edges = static_cast<std::uint32_t>(3 * p.surface.triangle_slots());
+  const std::uint32_t half_edges = 3 * p.surface.triangle_slots();
   for (std::uint32_t h = 3 * p.first_triangle; h < half_edges; ++h)
     if (is_inner(p, h) && h < p.surface.twin(h) && edge_length(p.surface, h) > length)
       p.surface.split(h, Vec3(0.5 * (p.surface.position(p.surface.from(h)) + p.surface.position(p.surface.to(h)))));
@@ -220,7 +220,7 @@ void split_long(Patch& p, double length) {
 /// `chords`: edges within the patch may join two vertices of its rim.
 void flip_to_larger_angles(Patch& p, bool chords) {
   mesh::SurfaceEditor& s = p.surface;
-  const auto half_edges = static_cast<std::uint32_t>(3 * s.triangle_slots());
+  const std::uint32_t half_edges = 3 * s.triangle_slots();
   for (int sweep = 0; sweep < 3; ++sweep)
     for (std::uint32_t h = 3 * p.first_triangle; h < half_edges; ++h) {
       const std::uint32_t o = s.twin(h);
@@ -258,11 +258,11 @@ class Rows {
     for (const std::uint32_t u : ring) add(u, -1.0 / ring.size());
   }
   bool solve() {
-    const auto unknowns = static_cast<Eigen::Index>(p_.surface.vertex_slots() - p_.first_vertex);
-    Sparse rows(static_cast<Eigen::Index>(right_.size()), unknowns);
+    const Eigen::Index unknowns = p_.surface.vertex_slots() - p_.first_vertex;
+    Sparse rows(right_.size(), unknowns);
     rows.setFromTriplets(entries_.begin(), entries_.end());
     Eigen::MatrixX3d target(static_cast<Eigen::Index>(right_.size()), 3);
-    for (std::size_t r = 0; r < right_.size(); ++r) target.row(static_cast<Eigen::Index>(r)) = right_[r].transpose();
+    for (std::size_t r = 0; r < right_.size(); ++r) target.row(r) = right_[r].transpose();
     const Sparse square = rows.transpose() * rows;
     const Eigen::SimplicialLDLT<Sparse> solver(square);
     if (solver.info() != Eigen::Success) return false;
@@ -449,8 +449,8 @@ void make_fair(Patch& p, double rim) {
 
 Patch make_flat_lid(const TriMesh& open, std::span<const Loop> loops, std::size_t a) {
   TriMesh closed = with_fans(open, loops, a, a);
-  const auto first_triangle = static_cast<std::uint32_t>(closed.triangles.size());
-  const auto first_vertex = static_cast<std::uint32_t>(closed.vertices.size());
+  const std::uint32_t first_triangle = closed.triangles.size();
+  const std::uint32_t first_vertex = closed.vertices.size();
   add_fan(closed, loops[a]);
   Patch p{mesh::SurfaceEditor(closed), first_vertex, first_triangle, loops[a], 0};
   fill_evenly(p, rims_of(open, loops)[a].length / loops[a].size(), flat);
@@ -459,8 +459,8 @@ Patch make_flat_lid(const TriMesh& open, std::span<const Loop> loops, std::size_
 
 Patch make_patch(const TriMesh& open, std::span<const Loop> loops, std::size_t a, std::optional<std::size_t> b) {
   TriMesh closed = with_fans(open, loops, a, b.value_or(a));
-  const auto first_triangle = static_cast<std::uint32_t>(closed.triangles.size());
-  const auto first_vertex = static_cast<std::uint32_t>(closed.vertices.size());
+  const std::uint32_t first_triangle = closed.triangles.size();
+  const std::uint32_t first_vertex = closed.vertices.size();
   const std::vector<Rim> rims = rims_of(open, loops);
   double edge = rims[a].length / loops[a].size();
   Loop rim = loops[a];

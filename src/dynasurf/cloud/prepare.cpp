@@ -78,7 +78,7 @@ std::vector<std::uint8_t> firsts(const std::vector<Vec3>& points) {
     std::size_t at = hash_of(points[i]) & (slots - 1);
     while (table[at] != empty && points[table[at]] != points[i]) at = (at + 1) & (slots - 1);
     if (table[at] == empty)
-      table[at] = static_cast<std::uint32_t>(i);
+      table[at] = i;
     else
       kept[i] = 0;
   }
@@ -133,7 +133,7 @@ double left_over_by_layers(const std::vector<Row<6>>& rows, const std::vector<do
 }
 
 OffQuadric off_quadric(const std::vector<Vec3>& points, std::span<const KdTree::Found> found) {
-  const auto n = static_cast<double>(found.size());
+  const double n = found.size();
   Vec3 middle = Vec3::Zero();
   for (const auto& f : found) middle += points[f.index] / n;
   Mat3 spread = Mat3::Zero();

@@ -211,7 +211,7 @@ LevelPlan plan_of(const Options& options, const Facts& facts, std::size_t triang
 
 /// Edges of a boundary go with one triangle each, so an open surface may have one or two less.
 bool has_as_asked(std::size_t triangles, int asked, const Facts& facts) {
-  const auto wanted = static_cast<std::size_t>(asked);
+  const std::size_t wanted = asked;
   return triangles == wanted || (is_open(facts) && triangles < wanted && triangles + 2 >= wanted);
 }
 
@@ -243,7 +243,7 @@ struct Fitting {
   const Facts& facts;
 
   void make(mesh::SurfaceEditor& surface, int triangles) const {
-    const auto count = static_cast<std::size_t>(triangles);
+    const std::size_t count = triangles;
     make_level(surface, count, fine, on_fine, points, plan_of(options, facts, count));
   }
 };
@@ -385,12 +385,12 @@ void tell_left_out(const SupportingPoints& of, Result& result) {
       if (closest(of.points[i]).distance2 > limit * limit)
         places[i] = has_company(of.points[i], of, closest, limit) ? Place::together : Place::alone;
   });
-  const auto together = static_cast<int>(std::count(places.begin(), places.end(), Place::together));
+  const int together = std::count(places.begin(), places.end(), Place::together);
   if (together > 0)
     result.notes.push_back({Severity::warning, "cloud.left_out",
                             number(together, "point lies", "points lie") + " farther than " + percent(far) +
                                 " of the diagonal from the surface, which leaves them out"});
-  note_outliers(static_cast<std::size_t>(std::count(places.begin(), places.end(), Place::alone)), result.notes);
+  note_outliers(std::count(places.begin(), places.end(), Place::alone), result.notes);
 }
 
 using Publish = std::function<void(TriMesh, int)>;
@@ -398,7 +398,7 @@ using Publish = std::function<void(TriMesh, int)>;
 void make_levels(mesh::SurfaceEditor& surface, const Fitting& fitting, const std::vector<int>& triangles,
                  const Publish& publish, Notes& notes, const Progress& progress) {
   for (std::size_t i = 0; i <= triangles.size(); ++i) {
-    progress("levels", static_cast<int>(i), static_cast<int>(triangles.size()));
+    progress("levels", i, triangles.size());
     progress.check();
     // While a level is made, the one before it is measured: each leaves the other's processor idle at times.
     TriMesh made = i > 0 ? surface.mesh() : TriMesh{};

@@ -53,7 +53,7 @@ void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport&
     for (std::size_t i = begin; i < end; ++i)
       confidence[i] = confidence_of(mesh::position_of(mesh, places[i]), of, distance[i]);
   });
-  const auto count = static_cast<double>(places.size());
+  const double count = places.size();
   support.made_up = std::count_if(confidence.begin(), confidence.end(), [](double c) { return c < 1; }) / count;
   if (of.facts.diagonal > 0)
     support.made_up_largest = *std::max_element(distance.begin(), distance.end()) / of.facts.diagonal;
@@ -134,7 +134,7 @@ void measure_bias(const Level& level, const SupportingPoints& of, const mesh::Cl
       sum += off[last].distance;
       squares += off[last].distance * off[last].distance;
     }
-    const auto count = static_cast<double>(last - first);
+    const double count = last - first;
     const double mean = sum / count, spread = std::sqrt(std::max(0.0, squares / count - mean * mean));
     if (last - first >= fewest && std::abs(mean) > of_diagonal * of.facts.diagonal + sure * spread / std::sqrt(count))
       biased += last - first;
@@ -178,8 +178,7 @@ std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& clou
   std::vector<float> values(mesh.vertices.size());
   parallel_for(values.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
     double distance = 0;
-    for (std::size_t v = begin; v < end; ++v)
-      values[v] = static_cast<float>(confidence_of(mesh.vertices[v], cloud, distance));
+    for (std::size_t v = begin; v < end; ++v) values[v] = confidence_of(mesh.vertices[v], cloud, distance);
   });
   return values;
 }

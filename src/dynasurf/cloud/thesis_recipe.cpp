@@ -78,14 +78,14 @@ std::vector<TriMesh> thesis_meshes(std::span<const Vec3> points, std::span<const
   notes.insert(notes.end(), flow.notes.begin(), flow.notes.end());
   std::vector<TriMesh> meshes;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    progress("levels", static_cast<int>(i), static_cast<int>(levels.size()));
+    progress("levels", i, levels.size());
     const dynamics::EvolutionResult evolved = dynamics::evolve(
         mesh::start_mesh(voxels.border, levels[i], placement_of(start)), flow.field, voxels.border, recipe(), quiet);
     note_arrival(evolved, triangles[i], notes);
     meshes.push_back(evolved.mesh);
     for (Vec3& p : meshes.back().vertices) p = voxels.origin + voxels.side * p;
   }
-  progress("levels", static_cast<int>(levels.size()), static_cast<int>(levels.size()));
+  progress("levels", levels.size(), levels.size());
   return meshes;
 }
 

@@ -70,8 +70,7 @@ void drop_pinches(const TriMesh& mesh, Marks& kept) {
       std::size_t ends = 0;
       for (last = i; last < around.size() && around[last][0] == around[i][0]; ++last) continue;
       for (std::size_t k = i; k < last; ++k)
-        ends += std::none_of(around.begin() + static_cast<std::ptrdiff_t>(i),
-                             around.begin() + static_cast<std::ptrdiff_t>(last),
+        ends += std::none_of(around.begin() + i, around.begin() + last,
                              [&](const auto& other) { return other[1] == around[k][2]; });
       if (ends > 1) pinched[around[i][0]] = 1, any = true;
     }

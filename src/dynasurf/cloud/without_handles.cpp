@@ -30,7 +30,7 @@ int groups(const Block& block, std::uint8_t kind) {
   std::array<std::uint8_t, 27> seen{};
   int count = 0;
   for (int start = 0; start < 27; ++start) {
-    const auto first = static_cast<std::size_t>(start);
+    const std::size_t first = start;
     if (start == 13 || block[first] != kind || seen[first] || (inside && reach_of(start) != 1)) continue;
     ++count;
     std::array<int, 27> stack{start};
@@ -39,7 +39,7 @@ int groups(const Block& block, std::uint8_t kind) {
     while (depth > 0) {
       const int from = stack[--depth];
       for (int n = 0; n < 27; ++n) {
-        const auto at = static_cast<std::size_t>(n);
+        const std::size_t at = n;
         if (n == 13 || block[at] != kind || seen[at] || (inside && reach_of(n) == 3) || !touch(from, n, inside))
           continue;
         seen[at] = 1;
@@ -70,7 +70,7 @@ IndicatorField without_handles(const IndicatorField& field) {
   };
   std::priority_queue<Node> next;
   const auto& values = field.value.values;
-  const auto seed = static_cast<std::uint32_t>(std::max_element(values.begin(), values.end()) - values.begin());
+  const std::uint32_t seed = std::max_element(values.begin(), values.end()) - values.begin();
   next.push({values[seed], seed});
   bool is_seed = true;
   while (!next.empty()) {

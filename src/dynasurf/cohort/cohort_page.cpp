@@ -37,7 +37,7 @@ Json rounded(const std::vector<std::optional<double>>& values, double step) {
 int concern_of(const CohortCase& one) {
   if (!one.status) return 1;
   if (!one.has_result()) return 4000;
-  const int flags = static_cast<int>(std::min<std::size_t>(one.flags.size(), 99));
+  const int flags = std::min<std::size_t>(one.flags.size(), 99);
   return (one.status->verdict == "fail" ? 3000 : one.status->verdict == "check" ? 2000 : 100) + flags;
 }
 
@@ -49,7 +49,7 @@ io::Picture halved(const io::Picture& picture) {
       for (std::size_t c = 0; c < 3; ++c) {
         const int sum = picture(2 * x, 2 * y)[c] + picture(2 * x + 1, 2 * y)[c] + picture(2 * x, 2 * y + 1)[c] +
                         picture(2 * x + 1, 2 * y + 1)[c];
-        half(x, y)[c] = static_cast<std::uint8_t>(sum / 4);
+        half(x, y)[c] = sum / 4;
       }
   return half;
 }

@@ -145,7 +145,7 @@ void add_repeats(const Cohort& cohort, Rows& rows) {
   const auto& columns = cohort.group_columns;
   const auto subject = std::find(columns.begin(), columns.end(), "subject");
   if (subject == columns.end()) return;
-  const auto column = static_cast<std::size_t>(subject - columns.begin());
+  const std::size_t column = subject - columns.begin();
   for (std::size_t key = 0; key < ventricle_key_numbers().size(); ++key) {
     std::map<std::string, std::vector<double>> by_subject;
     for (const CohortCase& one : cohort.cases) by_subject[one.study.groups[column]].push_back(number_of(one, key));

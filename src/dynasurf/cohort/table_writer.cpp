@@ -36,7 +36,7 @@ int bind(sqlite3_stmt* statement, int place, const std::string& cell, CellType t
       return sqlite3_bind_int64(statement, place, value);
   }
   // TRANSIENT: SQLite copies the text, which is gone when the row is stepped.
-  return sqlite3_bind_text(statement, place, begin, static_cast<int>(cell.size()), SQLITE_TRANSIENT);
+  return sqlite3_bind_text(statement, place, begin, cell.size(), SQLITE_TRANSIENT);
 }
 
 }  // namespace

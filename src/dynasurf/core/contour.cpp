@@ -7,6 +7,7 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf {
@@ -90,7 +91,7 @@ Contour circle_contour(const Vec2& centre, double radius, double edge) {
   if (!(radius > 0) || !(edge > 0) || !std::isfinite(radius / edge))
     throw OptionError("circle_contour: radius " + std::to_string(radius) + ", edge " + std::to_string(edge) +
                       "; expected positive numbers");
-  const int n = std::max(6, static_cast<int>(std::lround(2 * std::numbers::pi * radius / edge)));
+  const int n = std::max(6, round_int(2 * std::numbers::pi * radius / edge));
   Contour c;
   for (int i = 0; i < n; ++i) {
     const double angle = 2 * std::numbers::pi * i / n;

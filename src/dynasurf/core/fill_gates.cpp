@@ -12,7 +12,7 @@ std::vector<FilledGate> fill_gates(std::vector<Image>& gates, const std::vector<
     while (missing[(g + on) % count]) ++on;
     const FilledGate from{g, (g + count - back) % count, (g + on) % count};
     const Image &a = gates[from.before], &b = gates[from.after];
-    const auto from_before = static_cast<float>(back), to_after = static_cast<float>(on);
+    const float from_before = back, to_after = on;
     for (std::size_t v = 0; v < a.values.size(); ++v)
       gates[g].values[v] = (to_after * a.values[v] + from_before * b.values[v]) / (from_before + to_after);
     filled.push_back(from);

@@ -46,7 +46,7 @@ void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> b
   std::size_t stride = 1;
   std::vector<Complex> line;
   for (const FourierTable& table : tables) {
-    const auto length = static_cast<std::size_t>(table.size);
+    const std::size_t length = table.size;
     line.resize(length);
     for (std::size_t first = 0; first < box.size(); first += stride * length)
       for (std::size_t s = first; s < first + stride; ++s) {

@@ -19,13 +19,13 @@ std::atomic<std::uint64_t> chosen{std::numeric_limits<std::uint64_t>::max()};
 std::uint64_t memory_from_text(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
+  std::string_view unit = text.substr(end - text.data());
   if (unit.size() == 2 && (unit[1] == 'B' || unit[1] == 'b')) unit.remove_suffix(1);
   constexpr std::string_view units = "KMGT";
   double factor = unit.empty() ? 1 : 0;
   for (std::size_t n = 0; n < units.size(); ++n)
     if (unit.size() == 1 && (unit[0] == units[n] || unit[0] == units[n] + 'a' - 'A'))
-      factor = std::ldexp(1, static_cast<int>(10 * (n + 1)));
+      factor = std::ldexp(1, 10 * (n + 1));
   const double bytes = value * factor;
   if (error != std::errc{} || !(bytes >= 1 << 20) || !(bytes < std::ldexp(1, 62)))
     throw OptionError("--memory-limit: \"" + std::string(text.substr(0, 40)) +

@@ -259,12 +259,12 @@ void assign_text(const OptionNode& node, const std::string& path, std::string_vi
   const auto wrong = [&] { throw_wrong_value(node, path, "'" + std::string(text) + "'"); };
   const auto number = [&]<class Number>(Number& target) {
     const auto value = number_in<Number>(text);
-    if (!value || !in_range(node.field, static_cast<double>(*value))) wrong();
+    if (!value || !in_range(node.field, *value)) wrong();
     target = *value;
   };
   const auto list = [&]<class Number>(std::vector<Number>& target) {
     const auto numbers = numbers_in<Number>(text);
-    const auto fits = [&](Number value) { return in_range(node.field, static_cast<double>(value)); };
+    const auto fits = [&](Number value) { return in_range(node.field, value); };
     if (!numbers || !std::all_of(numbers->begin(), numbers->end(), fits)) wrong();
     target = *numbers;
   };

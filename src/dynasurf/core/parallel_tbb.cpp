@@ -84,7 +84,7 @@ int startable(int wanted) {
   // The system counts a thread that was joined a moment longer, and would refuse the next one in its place.
   for (int n = 0; count < static_cast<std::size_t>(wanted) && threads_of_process() > before && n < 1000; ++n)
     std::this_thread::sleep_for(1ms);
-  return static_cast<int>(count);
+  return count;
 }
 
 /// Where the system refuses some of the threads, oneTBB shall not ask for them: neither now nor when a limit ends, so
@@ -96,7 +96,7 @@ void keep_to_threads_to_be_had(int asked) {
   if (have >= wanted) return;
   using oneapi::tbb::global_control;
   static const global_control* kept = nullptr;  // the first is the strictest that is needed
-  if (!kept) kept = new global_control(global_control::max_allowed_parallelism, static_cast<std::size_t>(have));
+  if (!kept) kept = new global_control(global_control::max_allowed_parallelism, have);
 }
 
 }  // namespace
@@ -106,9 +106,9 @@ struct ThreadLimit::State {
 };
 
 ThreadLimit::ThreadLimit(int threads)
-    : state_(threads > 0 ? new State{oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism,
-                                                                 static_cast<std::size_t>(threads))}
-                         : nullptr) {
+    : state_(threads > 0
+                 ? new State{oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism, threads)}
+                 : nullptr) {
   try {
     keep_to_threads_to_be_had(threads);
     // oneTBB loads a library first, and the loader of the system does not survive the want of memory everywhere.

@@ -27,7 +27,7 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
   for (int a = 0; a < 3; ++a) {
     from[a] = from_mm[a] * per_mm_[a] + 0.5;
     to[a] = to_mm[a] * per_mm_[a] + 0.5;
-    const auto axis = static_cast<std::size_t>(a);
+    const std::size_t axis = a;
     at[axis] = floor_to_int(from[a]);
     last[axis] = floor_to_int(to[a]);
   }
@@ -39,7 +39,7 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
   Index3 step{}, to_go{};
   Vec3 next, between;
   for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
+    const std::size_t axis = a;
     const double way = to[a] - from[a];
     step[axis] = last[axis] > at[axis] ? 1 : -1;
     to_go[axis] = std::abs(last[axis] - at[axis]);
@@ -51,7 +51,7 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
     int axis = -1;
     for (int a = 0; a < 3; ++a)
       if (to_go[a] > 0 && (axis < 0 || next[a] < next[axis])) axis = a;
-    const auto chosen = static_cast<std::size_t>(axis);
+    const std::size_t chosen = axis;
     const double share = std::clamp(next[axis], 0.0, 1.0);
     at[chosen] += step[chosen];
     --to_go[chosen];

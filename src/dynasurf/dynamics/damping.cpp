@@ -21,7 +21,7 @@ Image raised(const Grid& grid, double drag, double ratio, Share share) {
   parallel_for(map.values.size(), kDampingGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const Index3 at{static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / (nx * ny))};
-      map.values[v] = static_cast<float>(drag * (1 + ratio * share(at)));
+      map.values[v] = drag * (1 + ratio * share(at));
     }
   });
   return map;

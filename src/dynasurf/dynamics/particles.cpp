@@ -8,7 +8,7 @@ void ForceJacobian::add(std::uint32_t row, std::uint32_t column, const Mat3& dfd
   Row& r = rows_[row];
   // A vertex has a dozen partners: looking through them beats any clever index.
   const auto found = std::find(r.columns.begin(), r.columns.end(), column);
-  const auto at = static_cast<std::size_t>(found - r.columns.begin());
+  const std::size_t at = found - r.columns.begin();
   if (found == r.columns.end()) {
     r.columns.push_back(column);
     r.dfdx.push_back(dfdx);

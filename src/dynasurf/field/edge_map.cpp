@@ -21,7 +21,7 @@ Image operate(const Image& image, EdgeOperator of) {
     for (int j = 0; j < g.dims[1]; ++j)
       for (int i = 0; i < g.dims[0]; ++i) {
         const Vec3 slope = detail::gradient_at(image, i, j, k);
-        map(i, j, k) = static_cast<float>(of == EdgeOperator::gradient ? slope.norm() : slope.squaredNorm());
+        map(i, j, k) = of == EdgeOperator::gradient ? slope.norm() : slope.squaredNorm();
       }
   return map;
 }

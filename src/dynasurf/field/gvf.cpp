@@ -179,7 +179,7 @@ std::pair<double, double> step(const Sweep& s, std::vector<Extremes>& pieces) {
   pieces.assign((slices + grain - 1) / grain, {});
   parallel_for(slices, grain, [&](std::size_t begin, std::size_t end) {
     const detail::FlushDenormals flush;
-    pieces[begin / grain] = step_slices(s, static_cast<int>(begin), static_cast<int>(end));
+    pieces[begin / grain] = step_slices(s, begin, end);
   });
   Extremes all;
   for (const Extremes& e : pieces) all = {std::max(all.value, e.value), std::max(all.change, e.change)};
@@ -197,12 +197,12 @@ void start(Sweep& s, const Image& f, const Scheme& o, double dt) {
         bool pulled = false;
         for (int i = 0; i < l.nx; ++i) {
           const Vec3 g = detail::gradient_at(f, i, j, k);
-          const auto pull = static_cast<float>(o.pull(g.squaredNorm()) * dt);
+          const float pull = o.pull(g.squaredNorm()) * dt;
           s.pull.data()[row + i] = pull;
-          if (generalised) s.spread.data()[row + i] = static_cast<float>(o.spread(g.squaredNorm()));
+          if (generalised) s.spread.data()[row + i] = o.spread(g.squaredNorm());
           pulled = pulled || pull != 0;
           for (std::size_t c = 0; c < 3; ++c) {
-            const auto value = static_cast<float>(g[c]);
+            const float value = g[c];
             s.gradient[c].data()[row + i] = value;
             s.from[c].data()[row + i] = value;
           }
@@ -281,9 +281,9 @@ FlowResult run(const Image& edge_map, Options options, const Progress& progress)
   if (steepest == 0) return r;
 
   Sweep s(edge_map.grid.dims, o.inverse_k > 0);
-  s.rx = static_cast<float>(d.rate[0] * r.step);
-  s.ry = static_cast<float>(d.rate[1] * r.step);
-  s.rz = static_cast<float>(d.rate[2] * r.step);
+  s.rx = d.rate[0] * r.step;
+  s.ry = d.rate[1] * r.step;
+  s.rz = d.rate[2] * r.step;
   start(s, edge_map, o, r.step);
   iterate(s, o, 10 * std::sqrt(steepest), r, progress);
   copy_out(s, r.field);

@@ -174,8 +174,7 @@ std::optional<BasePlane> find_base_plane(const WallProfiles& wall, double level_
 }
 
 std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePlane>> planes, const Vec3& axis) {
-  const auto found = static_cast<std::size_t>(
-      std::count_if(planes.begin(), planes.end(), [](const auto& p) { return p.has_value(); }));
+  const std::size_t found = std::count_if(planes.begin(), planes.end(), [](const auto& p) { return p.has_value(); });
   if (found == 0 || 2 * found < planes.size()) return std::nullopt;
 
   const auto first = std::find_if(planes.begin(), planes.end(), [](const auto& p) { return p.has_value(); });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::heart {
@@ -47,9 +48,7 @@ Shell make_shell(double radius, const Grid& padded) {
   const std::vector<Vec3> ways = cube_directions();
   for (std::size_t d = 0; d < directions; ++d)
     for (std::size_t s = 0; s < 3; ++s) {
-      const auto steps = [&](int a) {
-        return static_cast<std::ptrdiff_t>(std::lround(at[s] * ways[d][a] / padded.spacing[a]));
-      };
+      const auto steps = [&](int a) { return std::lround(at[s] * ways[d][a] / padded.spacing[a]); };
       shell.offsets[d][s] = steps(0) + padded.dims[0] * (steps(1) + padded.dims[1] * steps(2));
     }
   return shell;
@@ -112,7 +111,7 @@ std::vector<Vec3> cube_directions() {
 
 std::vector<Place> find_places(const Image& coarse) {
   const Grid& g = coarse.grid;
-  const int room = static_cast<int>(std::ceil((shell_radii_mm.back() + beside_mm) / g.spacing.minCoeff()));
+  const int room = ceil_int((shell_radii_mm.back() + beside_mm) / g.spacing.minCoeff());
   const Padded padded = pad(coarse, room);
   std::vector<Shell> shells;
   shells.reserve(shell_radii_mm.size());

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/base_plane.hpp"
@@ -25,9 +26,9 @@ Image coarsened(const Image& image) {
   const Grid& from = image.grid;
   Grid grid = from;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
+    const Eigen::Index axis = a;
     const double length = from.spacing[axis] * (from.dims[a] - 1);
-    grid.dims[a] = std::max(2, static_cast<int>(std::ceil(length / coarse_mm)) + 1);
+    grid.dims[a] = std::max(2, ceil_int(length / coarse_mm) + 1);
     grid.spacing[axis] = coarse_mm;
   }
   const Image smooth = image::smooth_gaussian(image, smooth_mm);
@@ -36,7 +37,7 @@ Image coarsened(const Image& image) {
     for (int k = begin; k < end; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i)
-          result(i, j, k) = static_cast<float>(image::sample_linear(smooth, centre_of(grid, {i, j, k})));
+          result(i, j, k) = image::sample_linear(smooth, centre_of(grid, {i, j, k}));
   });
   return result;
 }
@@ -318,7 +319,7 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
   double most = *std::max_element(mean.values.begin(), mean.values.end());
   for (int n = 0; n < looks; ++n) {
     most *= dimmer;
-    const std::optional<Location> look = look_for(cut_at(mean, static_cast<float>(most)), hints);
+    const std::optional<Location> look = look_for(cut_at(mean, most), hints);
     if (look && look->is_clear() && clarity(*look) > beaten) best = look, beaten = clarity(*look);
   }
   return best;

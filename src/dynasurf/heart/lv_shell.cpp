@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/detail/linear_sampler.hpp"
 
@@ -200,7 +201,7 @@ double share_outside(const Grid& grid, const LvShell& cup) {
 
 std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int rows, int around, double reach_mm) {
   constexpr double step_mm = 1;
-  const int steps = static_cast<int>(std::floor(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm));
+  const int steps = floor_int(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm);
   const image::LinearSampler value(image);
   const ShellBasis a = across(cup.axis);
   const double top = base_angle(cup);
@@ -212,7 +213,7 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
     int best = -1;
     double worth = 0;
     for (int s = 1; s < 2 * steps; ++s) {
-      const auto n = static_cast<std::size_t>(s);
+      const std::size_t n = s;
       if (!(profile[n] >= profile[n - 1] && profile[n] > profile[n + 1])) continue;
       const double away = (s - steps) * step_mm / reach_mm;
       const double near = profile[n] * own::exp(-away * away);
@@ -220,15 +221,14 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
     }
     RidgePoint point{at.position, profile[steps], 0, 0};
     if (best > 0) {
-      const auto n = static_cast<std::size_t>(best);
+      const std::size_t n = best;
       const double bend = profile[n - 1] - 2 * profile[n] + profile[n + 1];
       const double shift = bend < 0 ? 0.5 * (profile[n - 1] - profile[n + 1]) / bend : 0;
       point.offset_mm = (best - steps + std::clamp(shift, -0.5, 0.5)) * step_mm;
       point.position = at.position + point.offset_mm * at.normal;
       point.brightness = profile[n];
       const auto low = [&](std::size_t from, std::size_t to) {
-        return *std::min_element(profile.begin() + static_cast<std::ptrdiff_t>(from),
-                                 profile.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+        return *std::min_element(profile.begin() + from, profile.begin() + to + 1);
       };
       // Beyond its edge a volume repeats its last voxels; what is seen there is no wall.
       if (is_inside(image.grid, point.position))

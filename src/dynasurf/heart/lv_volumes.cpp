@@ -18,13 +18,13 @@ std::optional<LvVolumes> lv_volumes(std::span<const double> cavity_ml) {
   f.esv_ml = *smallest;
   f.sv_ml = f.edv_ml - f.esv_ml;
   if (f.edv_ml > 0) f.ef_percent = 100 * f.sv_ml / f.edv_ml;
-  f.ed_gate = static_cast<int>(largest - cavity_ml.begin());
-  f.es_gate = static_cast<int>(smallest - cavity_ml.begin());
+  f.ed_gate = largest - cavity_ml.begin();
+  f.es_gate = smallest - cavity_ml.begin();
   return f;
 }
 
 std::optional<CurvePhases> phases_of_curve(std::span<const double> cavity_ml) {
-  const int n = static_cast<int>(cavity_ml.size());
+  const int n = cavity_ml.size();
   const std::optional<LvVolumes> f = lv_volumes(cavity_ml);
   if (n < 4 || !f || f->sv_ml <= 0) return std::nullopt;
   const auto volume = [&](int gate) { return cavity_ml[gate % n]; };
@@ -44,7 +44,7 @@ std::optional<CurvePhases> phases_of_curve(std::span<const double> cavity_ml) {
 }
 
 double cycle_roughness(std::span<const double> values) {
-  const auto n = static_cast<double>(values.size());
+  const double n = values.size();
   if (values.size() < 6) return 0;
   const int waves = values.size() >= 12 ? 3 : 2;
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
@@ -71,7 +71,7 @@ double cycle_roughness(std::span<const double> values) {
 
 double coefficient_of_variation(std::span<const double> values) {
   if (values.size() < 2) return 0;
-  const auto n = static_cast<double>(values.size());
+  const double n = values.size();
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
   double squares = 0;
   for (double v : values) squares += (v - mean) * (v - mean);

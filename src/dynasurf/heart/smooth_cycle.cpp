@@ -27,7 +27,7 @@ Eigen::MatrixXd waves_over(Eigen::Index gates, Eigen::Index most) {
 }  // namespace
 
 SmoothCycle smooth_over_cycle(std::span<const std::optional<double>> values, double cut, int most_waves) {
-  const auto n = static_cast<Eigen::Index>(values.size());
+  const Eigen::Index n = values.size();
   const Eigen::MatrixXd basis = waves_over(n, most_waves);
   const Eigen::Index terms = basis.cols();
   Eigen::VectorXd fit = Eigen::VectorXd::Zero(n);

@@ -30,13 +30,13 @@ std::vector<Pixel> flood(std::vector<std::uint8_t>& open, int width, int height,
 PixelMean mean_of(const std::vector<Pixel>& pixels) {
   double x = 0, y = 0;
   for (const Pixel& p : pixels) x += p.i, y += p.j;
-  const auto n = static_cast<double>(pixels.size());
+  const double n = pixels.size();
   return {x / n, y / n};
 }
 
 std::vector<Component> components_of_slice(const Mask& mask, int k) {
   const int width = mask.grid.dims[0], height = mask.grid.dims[1];
-  const auto begin = mask.values.begin() + static_cast<std::ptrdiff_t>(mask.grid.index(0, 0, k));
+  const auto begin = mask.values.begin() + mask.grid.index(0, 0, k);
   std::vector<std::uint8_t> open(begin, begin + static_cast<std::ptrdiff_t>(width) * height);
   std::vector<Component> components;
   for (int j = 0; j < height; ++j)

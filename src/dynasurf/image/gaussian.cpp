@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::image {
@@ -31,7 +32,7 @@ std::array<const float*, 2> rows_beside(const Image& image, int axis, int j, int
 }  // namespace
 
 std::vector<double> half_gaussian(double sigma, std::optional<int> reach) {
-  const int last = reach ? *reach : static_cast<int>(std::ceil(3 * sigma));
+  const int last = reach ? *reach : ceil_int(3 * sigma);
   std::vector<double> half{1.0};
   double sum = 1;
   for (int n = 1; n <= last; ++n) {
@@ -62,7 +63,7 @@ Image convolve_along(const Image& image, std::span<const double> half, int axis)
           for (int i = 0; i < width; ++i) sum[i] += half[n] * (double{low[i]} + double{high[i]});
         }
         float* out = result.values.data() + result.grid.index(0, j, k);
-        for (int i = 0; i < width; ++i) out[i] = static_cast<float>(sum[i]);
+        for (int i = 0; i < width; ++i) out[i] = sum[i];
       }
   });
   return result;

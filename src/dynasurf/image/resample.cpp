@@ -52,7 +52,7 @@ Image resample(const Image& image, const Grid& grid) {
           const Vec3 mm = to_grid(image.grid, to_world(grid, centre_of(grid, {i, j, k})));
           if (!holds(image.grid, mm)) continue;
           const double value = sample_cubic(image, mm);
-          result(i, j, k) = static_cast<float>(non_negative ? std::max(0.0, value) : value);
+          result(i, j, k) = non_negative ? std::max(0.0, value) : value;
         }
   });
   return result;

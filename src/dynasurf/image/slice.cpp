@@ -8,20 +8,19 @@ namespace dynasurf::image {
 
 Slice slice_of(const Image& image, int k) {
   Slice slice(image.grid.dims[0], image.grid.dims[1]);
-  const auto begin = image.values.begin() + static_cast<std::ptrdiff_t>(image.grid.index(0, 0, k));
+  const auto begin = image.values.begin() + image.grid.index(0, 0, k);
   std::copy_n(begin, slice.values.size(), slice.values.begin());
   return slice;
 }
 
 // Slices of an image lie apart in memory: several threads may put theirs at once.
 void put_slice(const Slice& slice, Image& image, int k) {
-  std::copy(slice.values.begin(), slice.values.end(),
-            image.values.begin() + static_cast<std::ptrdiff_t>(image.grid.index(0, 0, k)));
+  std::copy(slice.values.begin(), slice.values.end(), image.values.begin() + image.grid.index(0, 0, k));
 }
 
 void for_each_slice(const Grid& grid, const std::function<void(int)>& body) {
   parallel_for(std::max(0, grid.dims[2]), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) body(static_cast<int>(k));
+    for (std::size_t k = begin; k < end; ++k) body(k);
   });
 }
 
@@ -57,7 +56,7 @@ void smooth(Slice& slice, const std::vector<double>& w) {
   for (int i = 0; i < width; ++i) {
     for (int j = 0; j < height; ++j) line[radius + j] = rows[j * width + i];
     smooth_line(w, height, line, column.data());
-    for (int j = 0; j < height; ++j) slice(i, j) = static_cast<float>(column[j]);
+    for (int j = 0; j < height; ++j) slice(i, j) = column[j];
   }
 }
 

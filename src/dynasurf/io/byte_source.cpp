@@ -207,7 +207,7 @@ void ByteSource::skip(std::uint64_t bytes, const char* what) {
   if (state_->packing == Packing::plain && bytes > state_->buffer.size()) bytes -= state_->jump(bytes);
   std::array<std::byte, 4096> waste{};
   while (bytes > 0) {
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, waste.size()));
+    const std::size_t n = std::min<std::uint64_t>(bytes, waste.size());
     read(std::span(waste).first(n), what);
     bytes -= n;
   }

@@ -78,7 +78,7 @@ std::uint32_t renumber(std::vector<std::uint32_t>& scans) {
   // A tree, whose time does not depend on which numbers a file has chosen.
   std::map<std::uint32_t, std::uint32_t> numbers;
   for (auto& scan : scans) scan = numbers.try_emplace(scan, static_cast<std::uint32_t>(numbers.size())).first->second;
-  return static_cast<std::uint32_t>(numbers.size());
+  return numbers.size();
 }
 
 /// Triangles with a corner that is nowhere are no surface.

@@ -63,7 +63,7 @@ int photopeak_window(const DicomImage& image, const std::set<int>& windows, Note
   const double peak = photopeak_kev(image.isotope);
   const int first = *windows.begin() == 0 ? 0 : 1;  // some writers count from 0
   const auto ranges_of = [&](int window) -> std::span<const EnergyRange> {
-    const auto at = static_cast<std::size_t>(window - first);
+    const std::size_t at = window - first;
     return window >= first && at < image.windows.size() ? image.windows[at] : std::span<const EnergyRange>();
   };
   std::set<int> holding;
@@ -97,7 +97,7 @@ std::optional<int> chosen_window(const DicomImage& image, Notes& notes, int& cou
   if (!image.window_of_frame) return std::nullopt;
   const std::set<int> windows(image.window_of_frame->begin(), image.window_of_frame->end());
   if (windows.size() < 2) return std::nullopt;
-  count = static_cast<int>(windows.size());
+  count = windows.size();
   return photopeak_window(image, windows, notes);
 }
 
@@ -200,10 +200,10 @@ std::vector<int> frames_by_place(const FrameLayout& layout, const DicomImage& im
                      " slices: some (gate, slice) pair is missing");
   std::vector<int> frame_at(places, -1);
   for (int f = 0; f < image.frames; ++f) {
-    const auto n = static_cast<std::size_t>(f);
+    const std::size_t n = f;
     if (layout.rr[n] != rr || (layout.window && (*image.window_of_frame)[n] != *layout.window)) continue;
     const int gate = layout.gate[n] - 1, slice = layout.slice[n] - 1;
-    int& at = frame_at[gate * static_cast<std::size_t>(layout.slices) + static_cast<std::size_t>(slice)];
+    int& at = frame_at[gate * static_cast<std::size_t>(layout.slices) + slice];
     if (at >= 0)
       throw InputError(image.where() + ": frames " + std::to_string(at + 1) + " and " + std::to_string(f + 1) +
                        " are both " + pair_text(gate, slice));

@@ -257,7 +257,7 @@ class Walk {
     outline_.has_real_pixels = outline_.has_real_pixels || e.tag == 0x7fe00008 || e.tag == 0x7fe00009;
     const auto it = std::lower_bound(wanted_.begin(), wanted_.end(), e.tag);
     if (it == wanted_.end() || *it != e.tag) return;
-    const auto n = static_cast<std::size_t>(it - wanted_.begin());
+    const std::size_t n = it - wanted_.begin();
     if (found_[n]) fail("holds element " + text_of(e.tag) + " twice");
     if (outline_.pixels) fail("holds element " + text_of(e.tag) + " behind its pixel data");
     found_[n] = true;

@@ -17,9 +17,9 @@ std::uint64_t bytes_of_frame(const DicomImage& image) {
 float value_of(std::uint32_t raw, const DicomImage& image) {
   // Old files keep overlays in the bits that the value does not use.
   raw = (raw >> (image.high_bit + 1 - image.bits_stored)) & ((1u << image.bits_stored) - 1);
-  auto value = static_cast<std::int32_t>(raw);
+  std::int32_t value = raw;
   if (image.is_signed && (raw >> (image.bits_stored - 1)) != 0) value -= 1 << image.bits_stored;
-  return static_cast<float>(image.slope * value + image.intercept);
+  return image.slope * value + image.intercept;
 }
 
 /// The bytes [begin, begin + out.size()) of unpacked pixels, 16-bit words turned round where the file has them so.
@@ -30,7 +30,7 @@ void read_plain(FileWindow& file, const FilePiece& pixels, bool turned, std::uin
   std::vector<std::byte> words(to - from);
   file.read(pixels.begin + from, words, "pixel data");
   for (std::size_t n = 0; n + 1 < words.size(); n += 2) std::swap(words[n], words[n + 1]);
-  std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(begin - from), out.size(), out.begin());
+  std::copy_n(words.begin() + begin - from, out.size(), out.begin());
 }
 
 [[noreturn]] void refuse_run_lengths(const DicomImage& image, int frame, const std::string& reason) {
@@ -112,7 +112,7 @@ void read_dicom_frames(const DicomImage& image, const std::function<void(int, st
   const std::size_t sample = static_cast<std::size_t>(image.bits_allocated) / 8;
   std::vector<float> values(bytes.size() / sample);
   for (int f = 0; f < image.frames; ++f) {
-    const auto n = static_cast<std::size_t>(f);
+    const std::size_t n = f;
     if (outline.run_lengths)
       read_packed(file, image, outline.fragments[n], f, bytes);
     else

@@ -117,7 +117,7 @@ void check_whole(const Plan& plan) {
 std::vector<Image> read_pixels(const Plan& plan, Notes& notes) {
   const DicomStack& stack = plan.stack;
   require_memory_of_study(stack.grid, stack.gates, plan.images[stack.first_file()].where());
-  const auto slices = static_cast<std::size_t>(stack.grid.dims[2]);
+  const std::size_t slices = stack.grid.dims[2];
   const std::size_t pixels = stack.grid.size() / slices;
   std::map<std::size_t, std::map<int, std::size_t>> place_of;  // file -> frame -> place in the stack
   for (std::size_t p = 0; p < stack.frames.size(); ++p) place_of[stack.frames[p].file][stack.frames[p].frame] = p;
@@ -130,8 +130,7 @@ std::vector<Image> read_pixels(const Plan& plan, Notes& notes) {
       Image& gate = gates[it->second / slices];
       // Memory is taken as the pixels arrive, not for what the headers promise.
       if (gate.values.empty()) gate = Image(stack.grid);
-      std::copy(values.begin(), values.end(),
-                gate.values.begin() + static_cast<std::ptrdiff_t>(it->second % slices * pixels));
+      std::copy(values.begin(), values.end(), gate.values.begin() + it->second % slices * pixels);
     });
   fill_outside_field(gates, plan.images[stack.first_file()].where(), notes);
   return gates;

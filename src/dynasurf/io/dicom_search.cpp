@@ -125,7 +125,7 @@ void search_dicom(const std::vector<fs::path>& files, StudySearch& found, const 
   std::map<std::string, Images> examinations;
   for (std::size_t n = 0; n < files.size(); ++n) {
     progress.check();
-    if (n % 1000 == 0) progress("search DICOM", static_cast<int>(n), static_cast<int>(files.size()));
+    if (n % 1000 == 0) progress("search DICOM", n, files.size());
     sort_in(files[n], examinations, found);
   }
   int examination = 0;

@@ -74,8 +74,8 @@ void put_dimensions(Item& root, const std::string& organization) {
 }
 
 std::span<const std::uint8_t> slice_of(const Mask& mask, int slice) {
-  const std::size_t size = mask.grid.size() / static_cast<std::size_t>(mask.grid.dims[2]);
-  return std::span(mask.values).subspan(size * static_cast<std::size_t>(slice), size);
+  const std::size_t size = mask.grid.size() / mask.grid.dims[2];
+  return std::span(mask.values).subspan(size * slice, size);
 }
 
 bool holds_voxels(const DicomSegment& segment, int slice) {
@@ -120,7 +120,7 @@ void add_frame(Item& root, const Grid& grid, unsigned segment, int slice, unsign
   frame.add(DCM_FrameContentSequence).counts(DCM_DimensionIndexValues, {segment, index});
   const Vec3 at = to_world(grid, Vec3(0, 0, grid.spacing[2] * slice));
   frame.add(DCM_PlanePositionSequence).text(DCM_ImagePositionPatient, decimals({at[0], at[1], at[2]}));
-  frame.add(DCM_SegmentIdentificationSequence).number(DCM_ReferencedSegmentNumber, static_cast<int>(segment));
+  frame.add(DCM_SegmentIdentificationSequence).number(DCM_ReferencedSegmentNumber, segment);
 }
 
 /// Every slice of every segment that holds voxels of it is a frame.

@@ -105,7 +105,7 @@ Vec3 step_of(const Slices& slices, const Heights& height, const std::vector<Dico
   std::vector<double> heights;
   for (const auto& slice : slices) heights.push_back(height.at(slice.front()));
   require_even_slices(heights, bottom.path.parent_path().string());
-  const auto gaps = static_cast<double>(slices.size() - 1);
+  const double gaps = slices.size() - 1;
   if (bottom.position && top.position) return (*top.position - *bottom.position) / gaps;
   return place.normal * ((heights.back() - heights.front()) / gaps);
 }
@@ -127,7 +127,7 @@ DicomStack stack_of_slices(const std::vector<DicomImage>& images, std::span<cons
   steps << place.right * place.column_mm, place.down * place.row_mm, step;
   stack.grid = grid_from_steps({first.columns, first.rows, static_cast<int>(slices.size())}, steps,
                                images[slices.front().front()].position.value_or(place.origin), first.where());
-  stack.gates = static_cast<int>(gates);
+  stack.gates = gates;
   for (std::size_t g = 0; g < gates; ++g)
     for (const auto& slice : slices) stack.frames.push_back({slice[g], 0});
   return stack;

@@ -125,7 +125,7 @@ void put_image(Item& root, const Study& study) {
     root.numbers(DCM_RRIntervalVector, ones);
     root.number(DCM_NumberOfRRIntervals, 1);
     root.numbers(DCM_TimeSlotVector, slot);
-    root.number(DCM_NumberOfTimeSlots, static_cast<int>(gates));
+    root.number(DCM_NumberOfTimeSlots, gates);
   } else {
     root.tags(DCM_FrameIncrementPointer, {DCM_SliceVector});
   }
@@ -197,7 +197,7 @@ double step_of(const Study& study) {
 /// Head first, as rows are stored.
 std::vector<Uint16> pixels_of(const Projections& p, double scale, const std::string& where) {
   std::vector<Uint16> pixels;
-  const auto size = static_cast<std::size_t>(p.size);
+  const std::size_t size = p.size;
   for (const std::vector<float>& gate : p.gates)
     for (std::size_t v = 0; v < p.views(); ++v)
       for (std::size_t row = size; row > 0;) {
@@ -223,7 +223,7 @@ void put_views(Item& root, const Projections& p) {
     root.numbers(DCM_RRIntervalVector, ones);
     root.number(DCM_NumberOfRRIntervals, 1);
     root.numbers(DCM_TimeSlotVector, slot);
-    root.number(DCM_NumberOfTimeSlots, static_cast<int>(p.gates.size()));
+    root.number(DCM_NumberOfTimeSlots, p.gates.size());
   }
   order.push_back(DCM_AngularViewVector);
   root.numbers(DCM_AngularViewVector, view);
@@ -244,7 +244,7 @@ void put_rotation(Item& root, const Projections& p) {
   std::string radii;
   for (const double radius : p.radius_mm) radii += (radii.empty() ? "" : "\\") + decimal(radius);
   rotation.text(DCM_RadialPosition, radii);
-  rotation.number(DCM_NumberOfFramesInRotation, static_cast<int>(p.views()));
+  rotation.number(DCM_NumberOfFramesInRotation, p.views());
 }
 
 /// The camera where it starts: its rows run to the patient's left when it stands in front of him.

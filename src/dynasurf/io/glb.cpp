@@ -95,7 +95,7 @@ int add_surface(const AnimatedSurface& surface, GltfScene& scene) {
 void animate(int node, std::size_t gates, double cycle_s, GltfJson& animation, GltfScene& scene) {
   std::vector<float> times, weights;
   for (std::size_t key = 0; key <= gates; ++key) {
-    times.push_back(static_cast<float>(cycle_s * key / gates));
+    times.push_back(cycle_s * key / gates);
     for (std::size_t target = 1; target < gates; ++target) weights.push_back(key == target ? 1.0f : 0.0f);
   }
   GltfJson sampler = GltfJson::object(), channel = GltfJson::object();

@@ -33,7 +33,7 @@ std::vector<std::array<std::uint16_t, 4>> linear(const VertexColours& colours) {
       const double share = colour[c] / 255.0;
       // The transfer function of sRGB (IEC 61966-2-1), inverted.
       const double light = share <= 0.04045 ? share / 12.92 : own::pow((share + 0.055) / 1.055, 2.4);
-      row[c] = static_cast<std::uint16_t>(std::lround(light * 65535));
+      row[c] = std::lround(light * 65535);
     }
     row[3] = 65535;
   }

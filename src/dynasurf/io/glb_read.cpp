@@ -54,7 +54,7 @@ void refuse_other_files(const JsonNode& document) {
 std::string_view buffer_of(const JsonNode& document, std::string_view chunk) {
   const JsonNode buffers = list_in(document, "buffers");
   if (size_of(buffers) != 1) refuse_value(buffers, "a list of 1");
-  const auto most = static_cast<std::int64_t>(chunk.size());
+  const std::int64_t most = chunk.size();
   const auto length = whole_in(object_of(buffers, 0), "byteLength", std::max<std::int64_t>(most - 3, 0), most);
   return chunk.substr(0, length);
 }
@@ -75,7 +75,7 @@ std::string_view block_of(GlbFile& glb, std::int64_t accessor, const char* type,
   whole_in(view, "buffer", 0, 0);
   if (has(view, "byteStride")) refuse(glb.name, view.path + ".byteStride: expected numbers without gaps");
   const std::int64_t begin = offset_in(view), length = whole_in(view, "byteLength", 1, max_bytes);
-  const auto held = static_cast<std::int64_t>(glb.binary.size());
+  const std::int64_t held = glb.binary.size();
   if (begin + length > held)
     refuse(glb.name, view.path + ": ends at byte " + std::to_string(begin + length) + " of its buffer; expected " +
                          std::to_string(held) + " at most");

@@ -25,7 +25,7 @@ struct Header {
   template <class T>
   T at(std::size_t offset) const {
     std::array<std::byte, sizeof(T)> raw;
-    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), sizeof(T), raw.begin());
+    std::copy_n(bytes.begin() + offset, sizeof(T), raw.begin());
     if (big_endian) std::reverse(raw.begin(), raw.end());
     T value;
     std::memcpy(&value, raw.data(), sizeof(T));
@@ -86,7 +86,7 @@ Extents extents_of(const Header& header, const std::string& where) {
     throw InputError(where + ": has " + std::to_string(rank) + " dimensions; expected 3 (one volume) or 4 (gates)");
   Extents e;
   for (int d = 1; d <= rank; ++d) {
-    const int extent = header.small(nifti::dim, static_cast<std::size_t>(d));
+    const int extent = header.small(nifti::dim, d);
     if (extent < 1)
       throw InputError(where + ": extent of dimension " + std::to_string(d) + " is " + std::to_string(extent) +
                        "; expected at least 1");
@@ -108,8 +108,7 @@ using Affine = Eigen::Matrix<double, 3, 4>;
 Affine affine_of_sform(const Header& header) {
   Affine a;
   for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t col = 0; col < 4; ++col)
-      a(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(col)) = header.real(nifti::srow, row * 4 + col);
+    for (std::size_t col = 0; col < 4; ++col) a(row, col) = header.real(nifti::srow, row * 4 + col);
   return a;
 }
 

@@ -40,7 +40,7 @@ std::string header_of(const Study& study, const Stored& stored, const std::files
 
   std::string bytes(nifti::header_bytes + 4, '\0');
   put(bytes, 0, static_cast<std::int32_t>(nifti::header_bytes));
-  const int gates = static_cast<int>(study.gates.size());
+  const int gates = study.gates.size();
   const int dims[8] = {gates > 1 ? 4 : 3, grid.dims[0], grid.dims[1], grid.dims[2], gates, 1, 1, 1};
   for (std::size_t d = 0; d < 8; ++d) put_small(bytes, nifti::dim + 2 * d, dims[d]);
   put_small(bytes, nifti::intent_code, stored.intent);

@@ -67,7 +67,7 @@ std::size_t resolve(const TextReader& text, Rows& rows, std::string_view word) {
   if (index == 0) text.fail("index 0; expected 1 for the first, or -1 for the latest");
   if (index < 0) {
     // 0 - (index + 1) cannot overflow, -index could.
-    const auto back = static_cast<std::uint64_t>(-(index + 1));
+    const std::uint64_t back = -(index + 1);
     if (back >= rows.count)
       text.fail("index " + std::string(word) + " is out of range; expected -1 to -" + std::to_string(rows.count));
     return rows.count - 1 - back;
@@ -95,7 +95,7 @@ std::uint32_t read_corner(const TextReader& text, Tables& tables, std::string_vi
     corner.remove_prefix(slash + 1);
   }
   if (vertex > 0xffffffffu) text.fail("index " + quoted(whole) + " is out of range");
-  return static_cast<std::uint32_t>(vertex);
+  return vertex;
 }
 
 /// Vertices with a weight, or with a colour as some scanners write it.

@@ -227,7 +227,7 @@ class BinaryRows {
 template <class Rows>
 std::size_t list_length(Rows& rows, const Property& list) {
   const double length = rows.value(*list.count);
-  if (length < 0 || length > static_cast<double>(rows.values_left(list.type)))
+  if (length < 0 || length > rows.values_left(list.type))
     rows.fail("a list of " + std::to_string(static_cast<long long>(length)) + " values; the file has not so many left");
   return static_cast<std::size_t>(length);
 }
@@ -239,7 +239,7 @@ void skip(Rows& rows, const Property& property) {
 }
 
 /// Where the values of a vertex stand among its properties: position, normal, colour, scan. `absent` where not there.
-constexpr auto absent = static_cast<std::size_t>(-1);
+constexpr std::size_t absent = -1;
 using VertexColumns = std::array<std::size_t, 10>;
 constexpr std::size_t first_normal = 3, first_colour = 6, scan_column = 9;
 
@@ -338,7 +338,7 @@ std::size_t axis_of(const MeshFile& file, const Element& vertex, std::string_vie
 /// Groups of three count only when they are whole.
 void add_group(VertexColumns& columns, std::size_t first, std::array<std::size_t, 3> found) {
   if (std::find(found.begin(), found.end(), absent) == found.end())
-    std::copy(found.begin(), found.end(), columns.begin() + static_cast<std::ptrdiff_t>(first));
+    std::copy(found.begin(), found.end(), columns.begin() + first);
 }
 
 VertexColumns columns_of(const MeshFile& file, const Element& vertex, bool with_data) {

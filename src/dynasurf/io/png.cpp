@@ -31,10 +31,9 @@ void put_32(std::string& bytes, std::uint32_t value) {
 /// A chunk of a PNG file: its length, its name, what it holds, and the sum of both.
 void put_chunk(std::string& file, const std::string& name, const std::string& content) {
   const std::string summed = name + content;
-  put_32(file, static_cast<std::uint32_t>(content.size()));
+  put_32(file, content.size());
   file += summed;
-  put_32(file, static_cast<std::uint32_t>(
-                   crc32(0, reinterpret_cast<const Bytef*>(summed.data()), static_cast<uInt>(summed.size()))));
+  put_32(file, crc32(0, reinterpret_cast<const Bytef*>(summed.data()), static_cast<uInt>(summed.size())));
 }
 
 struct Chunk {
@@ -63,7 +62,7 @@ std::string frame_control(std::uint32_t number, const Picture& picture, int mill
   put_32(control, picture.height);
   put_32(control, 0);
   put_32(control, 0);
-  put_32(control, static_cast<std::uint32_t>(milliseconds) << 16 | 1000U);
+  put_32(control, milliseconds << 16 | 1000U);
   control += std::string(2, '\0');
   return control;
 }
@@ -95,7 +94,7 @@ std::string encode_animation(std::span<const Picture> pictures, int milliseconds
         put_chunk(file, chunk.name, chunk.content);
         if (chunk.name != "IHDR") continue;
         std::string control;
-        put_32(control, static_cast<std::uint32_t>(pictures.size()));
+        put_32(control, pictures.size());
         put_32(control, 0);  // for ever
         put_chunk(file, "acTL", control);
       }
@@ -134,7 +133,7 @@ Picture read_png(const std::filesystem::path& path) {
   if (png.image.width > widest || png.image.height > widest)
     throw InputError(path.string() + ": expected a picture of at most 32768 pixels along each side");
   png.image.format = PNG_FORMAT_RGB;
-  Picture picture(static_cast<int>(png.image.width), static_cast<int>(png.image.height));
+  Picture picture(png.image.width, png.image.height);
   if (!png_image_finish_read(&png.image, nullptr, picture.pixels.data(), 0, nullptr)) fail();
   return picture;
 }

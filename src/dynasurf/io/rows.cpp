@@ -14,7 +14,7 @@
 namespace dynasurf::io::detail {
 namespace {
 
-constexpr auto absent = static_cast<std::size_t>(-1);
+constexpr std::size_t absent = -1;
 constexpr std::size_t rows_to_look_at = 1000, most_columns = 64;
 
 /// Which column holds what.
@@ -79,7 +79,7 @@ Columns named_columns(const TextReader& text, char separator) {
   const auto take = [&](std::size_t first, std::array<std::size_t, 3>& group) {
     for (std::size_t k = 0; k < 3; ++k)
       if (found[first + k] == absent) return false;
-    std::copy_n(found.begin() + static_cast<std::ptrdiff_t>(first), 3, group.begin());
+    std::copy_n(found.begin() + first, 3, group.begin());
     return true;
   };
   if (!take(0, columns.position)) text.fail("the first line names no columns x, y and z");

@@ -69,7 +69,7 @@ void Hasher::add(const void* data, std::size_t bytes) {
   while (bytes > 0) {
     const std::size_t held = state_->bytes % state_->block.size();
     const std::size_t taken = std::min(bytes, state_->block.size() - held);
-    std::copy_n(at, taken, state_->block.begin() + static_cast<std::ptrdiff_t>(held));
+    std::copy_n(at, taken, state_->block.begin() + held);
     state_->bytes += taken;
     at += taken;
     bytes -= taken;

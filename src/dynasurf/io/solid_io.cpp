@@ -23,7 +23,7 @@ std::string vtu(const mesh::TetMesh& solid, std::span<const VertexScalar> scalar
   std::vector<std::int64_t> corners, ends;
   for (const auto& t : solid.tetrahedra) {
     corners.insert(corners.end(), t.begin(), t.end());
-    ends.push_back(static_cast<std::int64_t>(corners.size()));
+    ends.push_back(corners.size());
   }
   const std::vector<std::uint8_t> types(solid.tetrahedra.size(), tetrahedron);
   detail::VtkXml xml;

@@ -32,7 +32,7 @@ std::vector<float> in_world(const Grid& grid, const VectorSpans& vectors) {
   out.reserve(3 * grid.size());
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const Vec3 world = grid.direction * Vec3(vectors[0][i], vectors[1][i], vectors[2][i]);
-    for (const double c : world) out.push_back(static_cast<float>(c));
+    for (const double c : world) out.push_back(c);
   }
   return out;
 }

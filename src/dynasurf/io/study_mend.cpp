@@ -108,8 +108,8 @@ std::optional<float> find_alone(const Image& image, std::size_t gate, std::vecto
     std::optional<std::size_t> brightest;
     for (std::size_t v = 0; v < image.values.size(); ++v) {
       if (brightest && image.values[v] <= image.values[*brightest]) continue;
-      const bool is_known = std::any_of(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(),
-                                        [&](const HotVoxel& h) { return h.voxel == v; });
+      const bool is_known =
+          std::any_of(found.begin() + first, found.end(), [&](const HotVoxel& h) { return h.voxel == v; });
       if (!is_known) brightest = v;
     }
     if (!brightest) return std::nullopt;
@@ -178,7 +178,7 @@ void mend_hot_voxels(Study& study) {
 void fill_empty_gates(Study& study) {
   std::vector<bool> empty;
   for (const Image& gate : study.gates) empty.push_back(is_empty(gate));
-  const auto count = static_cast<std::size_t>(std::count(empty.begin(), empty.end(), true));
+  const std::size_t count = std::count(empty.begin(), empty.end(), true);
   if (count == 0 || 4 * count > empty.size()) return;
   for (const auto& [gate, before, after] : fill_gates(study.gates, empty))
     study.notes.push_back(

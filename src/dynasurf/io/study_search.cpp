@@ -45,7 +45,7 @@ void look_at_volume(const fs::path& file, StudySearch& found) {
       found.left_out.push_back({file, "not gated"});
       return;
     }
-    what = size_in_words(static_cast<int>(study.gates.size()), study.grid().dims);
+    what = size_in_words(study.gates.size(), study.grid().dims);
   } catch (const InputError&) {  // reading it as a study tells why
   }
   found.studies.push_back({{file}, what});
@@ -59,7 +59,7 @@ StudySearch search_studies(const std::filesystem::path& folder, const Progress& 
   const std::vector<fs::path> files = files_below(folder);
   for (std::size_t n = 0; n < files.size(); ++n) {
     progress.check();
-    if (n % 1000 == 0) progress("search", static_cast<int>(n), static_cast<int>(files.size()));
+    if (n % 1000 == 0) progress("search", n, files.size());
     // DICOM has no ending of its own: whatever is nothing else may be it.
     if (is_nifti(files[n]) || is_nrrd(files[n]))
       look_at_volume(files[n], found);

@@ -14,7 +14,7 @@ namespace {
 
 using detail::TextReader;
 
-constexpr auto absent = static_cast<std::size_t>(-1);
+constexpr std::size_t absent = -1;
 constexpr std::size_t most_points = 2000, most_gates = 1000, longest_name = 40;
 constexpr double farthest_mm = 1e5;
 
@@ -76,7 +76,7 @@ void read_row(const TextReader& text, const Columns& columns, Table& table) {
     table.places.emplace_back();
   }
   auto& places = table.places[entry->second];
-  const auto at = static_cast<std::size_t>(gate - 1);
+  const std::size_t at = gate - 1;
   if (places.size() <= at) places.resize(at + 1);
   if (places[at]) text.fail("point " + detail::quoted(name) + " is there twice in gate " + std::to_string(gate));
   places[at] = place;

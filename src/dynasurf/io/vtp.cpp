@@ -15,7 +15,7 @@ std::string encode_vtp(const TriMesh& mesh, std::span<const VertexScalar> scalar
   std::vector<std::int64_t> corners, ends;
   for (const auto& t : mesh.triangles) {
     corners.insert(corners.end(), t.begin(), t.end());
-    ends.push_back(static_cast<std::int64_t>(corners.size()));
+    ends.push_back(corners.size());
   }
 
   VtkXml xml;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
@@ -85,7 +86,7 @@ std::vector<double> signed_distances_to_border_voxels(const TriMesh& mesh, const
     Index3 voxel{};
     for (int a = 0; a < 3 && inside; ++a) {
       inside = at[a] > -0.5 && at[a] < border.grid.dims[a] - 0.5;
-      if (inside) voxel[a] = static_cast<int>(std::lround(at[a]));
+      if (inside) voxel[a] = round_int(at[a]);
     }
     if (inside && solid(voxel[0], voxel[1], voxel[2]) != 0) distances[v] = -distances[v];
   }

@@ -12,7 +12,7 @@ constexpr std::uint32_t boxes_a_leaf = 4;
 
 BoxTree::BoxTree(const std::vector<Box>& boxes) : order_(boxes.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
-  if (!order_.empty()) build(boxes, 0, static_cast<std::uint32_t>(order_.size()));
+  if (!order_.empty()) build(boxes, 0, order_.size());
 }
 
 // Halves a group across the longest side of its middles.
@@ -39,7 +39,7 @@ void BoxTree::build(const std::vector<Box>& boxes, std::uint32_t first, std::uin
   } else {  // each library leaves its own order
     std::sort(at(first), at(last));
   }
-  nodes_[n].end = static_cast<std::uint32_t>(nodes_.size());
+  nodes_[n].end = nodes_.size();
 }
 
 }  // namespace dynasurf::mesh

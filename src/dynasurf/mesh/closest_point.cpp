@@ -32,7 +32,7 @@ float before(float f) {
 }
 
 float rounded_down(double x) {
-  const auto f = static_cast<float>(x);
+  const float f = x;
   return f > x ? before(f) : f;
 }
 
@@ -127,9 +127,7 @@ std::vector<std::uint32_t> ClosestPoint::sorted() const {
     const std::size_t parts = std::size_t{1} << level;
     parallel_for(parts, std::max<std::size_t>(1, parts / 64), [&](std::size_t begin, std::size_t end) {
       for (std::size_t m = begin; m < end; ++m) {
-        const auto at = [&](std::size_t part, int of) {
-          return order.begin() + static_cast<std::ptrdiff_t>(order.size() * part >> of);
-        };
+        const auto at = [&](std::size_t part, int of) { return order.begin() + (order.size() * part >> of); };
         const auto first = at(m, level), last = at(m + 1, level);
         Eigen::AlignedBox3d spread;
         for (auto i = first; i != last; ++i) spread.extend(centres[*i]);
@@ -144,8 +142,7 @@ std::vector<std::uint32_t> ClosestPoint::sorted() const {
   // Each library leaves its own order within the parts.
   const std::size_t leaves = std::size_t{1} << (2 * depth_);
   for (std::size_t m = 0; m < leaves; ++m)
-    std::sort(order.begin() + static_cast<std::ptrdiff_t>(order.size() * m >> 2 * depth_),
-              order.begin() + static_cast<std::ptrdiff_t>(order.size() * (m + 1) >> 2 * depth_));
+    std::sort(order.begin() + (order.size() * m >> 2 * depth_), order.begin() + (order.size() * (m + 1) >> 2 * depth_));
   return order;
 }
 

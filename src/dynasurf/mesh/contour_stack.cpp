@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
@@ -46,7 +47,7 @@ std::vector<Contour> even_contours(const ContourStack& stack, const Tessellation
   std::vector<Contour> even;
   for (const Contour& c : stack.contours) {
     const double share = options.strip == Strip::even ? 1 : length_of(c) / longest;
-    even.push_back(spread_evenly(c, std::max(8, static_cast<int>(std::lround(share * options.points))), centre));
+    even.push_back(spread_evenly(c, std::max(8, round_int(share * options.points)), centre));
   }
   return even;
 }
@@ -73,7 +74,7 @@ void add_strip(TriMesh& mesh, const Ring& low, const Ring& high, Strip strip) {
 }
 
 void add_cap(TriMesh& mesh, const Ring& ring, const Vec3& middle, bool above) {
-  const auto centre = static_cast<std::uint32_t>(mesh.vertices.size());
+  const std::uint32_t centre = mesh.vertices.size();
   mesh.vertices.push_back(middle);
   for (std::uint32_t i = 0; i < ring.count; ++i)
     mesh.triangles.push_back(above ? std::array{ring.at(i), ring.at(i + 1), centre}

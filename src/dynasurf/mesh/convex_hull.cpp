@@ -127,7 +127,7 @@ class Hull {
     const std::size_t first = faces_.size();
     std::vector<std::pair<std::uint32_t, std::uint32_t>> starting;  // rim vertex, the new face whose edge begins there
     for (const RimEdge& edge : rim) {
-      const auto id = static_cast<std::uint32_t>(faces_.size());
+      const std::uint32_t id = faces_.size();
       starting.emplace_back(edge.from, id);
       faces_.push_back({{edge.from, edge.to, apex}, {edge.beyond, 0, 0}, {}, true});
       Face& beyond = faces_[edge.beyond];
@@ -139,7 +139,7 @@ class Hull {
       const auto after =
           std::lower_bound(starting.begin(), starting.end(), std::pair{faces_[id].corners[1], 0u})->second;
       faces_[id].neighbours[1] = after;
-      faces_[after].neighbours[2] = static_cast<std::uint32_t>(id);
+      faces_[after].neighbours[2] = id;
     }
     left.erase(std::remove(left.begin(), left.end(), apex), left.end());
     share_out(left, first);
@@ -155,7 +155,7 @@ class Hull {
       for (std::size_t i = 0; i < 3; ++i) {
         std::uint32_t& n = number[face.corners[i]];
         if (n == none) {
-          n = static_cast<std::uint32_t>(mesh.vertices.size());
+          n = mesh.vertices.size();
           mesh.vertices.push_back(points_[face.corners[i]]);
         }
         triangle[i] = n;

@@ -105,7 +105,7 @@ Image fill_mesh(const Grid& grid, const TriMesh& mesh, const Index3& sub_samples
         add_span(parts, grid, f / columns.per_x, g / columns.per_y, heights[n], heights[n + 1], weight);
     }
   Image image(grid);
-  for (std::size_t v = 0; v < parts.size(); ++v) image.values[v] = static_cast<float>(std::min(1.0, parts[v]));
+  for (std::size_t v = 0; v < parts.size(); ++v) image.values[v] = std::min(1.0, parts[v]);
   return image;
 }
 

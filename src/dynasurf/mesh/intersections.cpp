@@ -61,7 +61,7 @@ Corners shared_first(const Corners& t, const Corners& other, int& shared) {
   const auto end = std::stable_partition(sorted.begin(), sorted.end(), [&](std::uint32_t v) {
     return std::find(other.begin(), other.end(), v) != other.end();
   });
-  shared = static_cast<int>(end - sorted.begin());
+  shared = end - sorted.begin();
   return sorted;
 }
 
@@ -118,7 +118,7 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
   for (std::size_t t = 0; t < count; ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
     flat[t] = is_flat(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
-    if (flat[t]) found.flat.push_back(static_cast<std::uint32_t>(t));
+    if (flat[t]) found.flat.push_back(t);
     for (const auto v : {a, b, c}) boxes[t].hold(mesh.vertices[v]);
   }
 
@@ -129,7 +129,7 @@ SelfIntersections self_intersections(const TriMesh& mesh) {
     auto& piece = pieces[begin / grain];
     for (std::size_t s = begin; s < end; ++s) {
       if (flat[s]) continue;
-      const auto first = static_cast<std::uint32_t>(s);
+      const std::uint32_t first = s;
       const auto meets = [&](const Box& box) { return box.meets(boxes[first]); };
       tree.walk(meets, [&](std::uint32_t i) {
         const std::uint32_t t = tree.order()[i];

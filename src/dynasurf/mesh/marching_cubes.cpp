@@ -183,7 +183,7 @@ class Marching {
       for (const auto& t : filling.triangles) mesh_.triangles.push_back({v[t[0]], v[t[1]], v[t[2]]});
       return false;
     }
-    const auto middle = static_cast<std::uint32_t>(mesh_.vertices.size());
+    const std::uint32_t middle = mesh_.vertices.size();
     mesh_.vertices.push_back((Vec3(at[0], at[1], at[2]) + Vec3::Constant(0.5)).cwiseProduct(image_.grid.spacing));
     for (std::size_t n = 0; n < loop.size; ++n) mesh_.triangles.push_back({middle, v[n], v[(n + 1) % loop.size]});
     return true;
@@ -200,7 +200,7 @@ class Marching {
     }
     Vec3 middle = Vec3::Zero();
     for (std::size_t n = 0; n < loop.size; ++n) middle += mesh_.vertices[v[n]] / static_cast<double>(loop.size);
-    const auto centre = static_cast<std::uint32_t>(mesh_.vertices.size());
+    const std::uint32_t centre = mesh_.vertices.size();
     mesh_.vertices.push_back(middle);
     for (std::size_t n = 0; n < loop.size; ++n) mesh_.triangles.push_back({centre, v[n], v[(n + 1) % loop.size]});
   }
@@ -217,7 +217,7 @@ class Marching {
                              : std::clamp(a / (a - b), kKeepAway, 1 - kKeepAway);
     Vec3 p(from[0], from[1], from[2]);
     p[axis] += share;
-    vertex = static_cast<std::uint32_t>(mesh_.vertices.size());
+    vertex = mesh_.vertices.size();
     mesh_.vertices.push_back(p.cwiseProduct(image_.grid.spacing));
     return vertex;
   }

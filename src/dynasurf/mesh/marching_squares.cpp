@@ -28,7 +28,7 @@ class Squares {
     std::vector<IsoLine> lines;
     for (const bool open : {true, false})  // lines that begin at the border first, or they would be cut in two
       for (std::size_t e = 0; e < next_.size(); ++e)
-        if (next_[e] >= 0 && (!open || is_reached_[e] == 0)) lines.push_back(follow(static_cast<int>(e)));
+        if (next_[e] >= 0 && (!open || is_reached_[e] == 0)) lines.push_back(follow(e));
     return lines;
   }
 

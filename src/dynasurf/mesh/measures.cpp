@@ -83,7 +83,7 @@ TriangleQuality triangle_quality(const TriMesh& mesh) {
     shape.add(squares > 0 ? 4 * std::numbers::sqrt3 * A / squares : 0);
     smallest_angle = std::min({smallest_angle, angle_between(ab, -ca), angle_between(bc, -ab), angle_between(ca, -bc)});
   }
-  const auto count = static_cast<double>(mesh.triangles.size());
+  const double count = mesh.triangles.size();
   q.area_mean = area.sum / count, q.area_min = area.min, q.area_max = area.max;
   q.d_mean = d.sum / count, q.d_min = d.min, q.d_max = d.max;
   q.shape_mean = shape.sum / count, q.shape_min = shape.min;

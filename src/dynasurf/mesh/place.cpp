@@ -24,7 +24,7 @@ Extent extent_of_non_zero(const Image& data) {
         e.mean += Vec3(i, j, k);
         ++e.voxels;
       }
-  if (e.voxels > 0) e.mean /= static_cast<double>(e.voxels);
+  if (e.voxels > 0) e.mean /= e.voxels;
   return e;
 }
 

@@ -18,8 +18,8 @@ PointSpline::PointSpline(std::span<const Vec3> rest, double smoothing) : rest_(r
   if (rest.size() < 4)
     throw InputError("move_with_points: " + std::to_string(rest.size()) + " points; expected at least 4");
   require_finite(rest);
-  const auto n = static_cast<Eigen::Index>(rest.size());
-  const auto at = [](Eigen::Index i) { return static_cast<std::size_t>(i); };
+  const Eigen::Index n = rest.size();
+  const auto at = [](Eigen::Index i) { return i; };
   // Lengths near 1 keep the system well scaled.
   for (const Vec3& p : rest) middle_ += p / static_cast<double>(n);
   size_ = 0;
@@ -44,10 +44,9 @@ SplineMotion PointSpline::motion_to(std::span<const Vec3> now) const {
     throw InputError("move_with_points: " + std::to_string(rest_.size()) + " points at rest and " +
                      std::to_string(now.size()) + " moved; expected as many");
   require_finite(now);
-  const auto n = static_cast<Eigen::Index>(rest_.size());
+  const Eigen::Index n = rest_.size();
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(n + 4, 3);
-  for (std::size_t i = 0; i < now.size(); ++i)
-    moves.row(static_cast<Eigen::Index>(i)) = (now[i] - rest_[i]).transpose();
+  for (std::size_t i = 0; i < now.size(); ++i) moves.row(i) = (now[i] - rest_[i]).transpose();
   const Eigen::MatrixXd weights = factor_.solve(moves);
   SplineMotion motion;
   motion.rest_ = rest_;

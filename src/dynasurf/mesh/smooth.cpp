@@ -116,7 +116,7 @@ Outcome smooth_vertex(Vec3& position, std::span<const Vec3> p, Ring ring, const 
   if (!is_peak(position, p, ring)) return Outcome::untouched;
   Vec3 centroid = Vec3::Zero();
   for (const std::uint32_t n : ring) centroid += p[n];
-  centroid /= static_cast<double>(ring.size());
+  centroid /= ring.size();
   const Vec3 start = position, way = centroid - start;
   const double length = way.norm();
   if (!(length > 0)) return Outcome::untouched;
@@ -138,11 +138,11 @@ VertexRings vertex_rings(const TriMesh& mesh) {
   rings.first.reserve(mesh.vertices.size() + 1);
   rings.neighbours.reserve(opposite.side.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    rings.first.push_back(static_cast<std::uint32_t>(rings.neighbours.size()));
+    rings.first.push_back(rings.neighbours.size());
     append_ring(std::span(opposite.side).subspan(opposite.first[v], opposite.first[v + 1] - opposite.first[v]),
                 rings.neighbours);
   }
-  rings.first.push_back(static_cast<std::uint32_t>(rings.neighbours.size()));
+  rings.first.push_back(rings.neighbours.size());
   return rings;
 }
 

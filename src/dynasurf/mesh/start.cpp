@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/detail/convex_hull.hpp"
 #include "dynasurf/mesh/marching.hpp"
@@ -45,7 +46,7 @@ void fill_slice(const Image& border, std::size_t axis, int slice, Image& solid) 
   std::vector<std::array<int, 2>> open;
   const auto reach = [&](int u, int v) {
     if (u < 0 || v < 0 || u >= width || v >= height) return;
-    std::uint8_t& is_outside = outside[static_cast<std::size_t>(u + width * v)];
+    std::uint8_t& is_outside = outside[u + width * v];
     if (is_outside != 0 || border.values[voxel(u, v)] != 0) return;
     is_outside = 1;
     open.push_back({u, v});
@@ -105,7 +106,7 @@ TriMesh radial_start(const Image& border, int level, const Placement& options) {
 }
 
 /// As many squares as give a cube about the vertices of the icosphere.
-int cells_of_level(int level) { return std::max(1, static_cast<int>(std::lround(1.25 * (1 << level)))); }
+int cells_of_level(int level) { return std::max(1, round_int(1.25 * (1 << level))); }
 
 }  // namespace
 

@@ -15,7 +15,7 @@ TriMesh submesh(const TriMesh& mesh, std::span<const std::uint8_t> kept) {
     auto corners = mesh.triangles[t];
     for (std::uint32_t& v : corners) {
       if (id[v] == none) {
-        id[v] = static_cast<std::uint32_t>(m.vertices.size());
+        id[v] = m.vertices.size();
         m.vertices.push_back(mesh.vertices[v]);
       }
       v = id[v];

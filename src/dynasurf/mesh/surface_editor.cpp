@@ -47,7 +47,7 @@ SurfaceEditor::SurfaceEditor(const TriMesh& mesh, Boundary boundary)
       from_[3 * t + c] = mesh.triangles[t][c];
     }
   if (boundary == Boundary::kept) {
-    first_lid_ = end_lids_ = static_cast<std::uint32_t>(positions_.size());
+    first_lid_ = end_lids_ = positions_.size();
     const std::vector<Corners> lids = lids_of(mesh, end_lids_);
     if (!lids.empty()) {
       positions_.resize(end_lids_, Vec3::Zero());
@@ -167,7 +167,7 @@ void SurfaceEditor::flip(std::uint32_t h) {
 std::uint32_t SurfaceEditor::split(std::uint32_t h, const Vec3& p) {
   const bool is_boundary = is_boundary_edge(h);
   const std::uint32_t o = twin(h), b = to(h), c = to(next(h)), d = to(next(o));
-  const auto v = static_cast<std::uint32_t>(positions_.size());
+  const std::uint32_t v = positions_.size();
   positions_.push_back(p);
   const std::uint32_t bc = next(h), db = previous(o), bc_twin = twin(bc), db_twin = twin(db);
   const auto s = static_cast<std::uint32_t>(from_.size()), r = s + 3;
@@ -199,7 +199,7 @@ TriMesh SurfaceEditor::mesh(std::vector<std::uint32_t>* old_vertex) const {
   if (old_vertex) old_vertex->clear();
   for (std::uint32_t v = 0; v < positions_.size(); ++v) {
     if (!has_vertex(v)) continue;
-    id[v] = static_cast<std::uint32_t>(m.vertices.size());
+    id[v] = m.vertices.size();
     m.vertices.push_back(positions_[v]);
     if (old_vertex) old_vertex->push_back(v);
   }

@@ -43,7 +43,7 @@ TetMesh fill_between(const TriMesh& inner, const TriMesh& outer, int layers) {
   if (inner.vertices.size() != outer.vertices.size() || inner.triangles != outer.triangles)
     throw InputError("fill_between: the surfaces have different triangles; expected the same ones");
   if (layers < 1) throw InputError("fill_between: " + std::to_string(layers) + " layers; expected at least 1");
-  const auto count = static_cast<std::uint32_t>(inner.vertices.size());
+  const std::uint32_t count = inner.vertices.size();
   TetMesh solid;
   for (int layer = 0; layer <= layers; ++layer) {
     const double share = static_cast<double>(layer) / layers;

@@ -35,7 +35,7 @@ class Bisection {
 
   TetMesh cut() {
     for (auto& [edge, middle] : middle_) {
-      middle = static_cast<std::uint32_t>(result_.vertices.size());
+      middle = result_.vertices.size();
       result_.vertices.push_back((solid_.vertices[edge.first] + solid_.vertices[edge.second]) / 2);
     }
     for (const Tetrahedron& t : solid_.tetrahedra) cut(t);

@@ -35,7 +35,7 @@ int count_components(std::size_t vertices, const std::vector<Side>& sides) {
     while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
-  auto components = static_cast<int>(vertices);
+  int components = vertices;
   for (const Side& s : sides) {
     const std::uint32_t a = root(s.low), b = root(s.high);
     if (a == b) continue;

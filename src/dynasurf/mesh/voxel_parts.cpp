@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/marching.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -52,7 +53,7 @@ Piece slab(const Piece& piece, int axis, int voxel) { return cut(cut(piece, axis
 
 /// The cells that a piece passes along an axis, within the grid.
 std::pair<int, int> range(const Piece& piece, int axis, int extent) {
-  const auto cell = [&](double x) { return static_cast<int>(std::floor(std::clamp(x, 0.0, extent - 0.5))); };
+  const auto cell = [&](double x) { return floor_int(std::clamp(x, 0.0, extent - 0.5)); };
   return {cell(piece.low(axis)), cell(piece.high(axis))};
 }
 

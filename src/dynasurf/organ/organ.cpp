@@ -83,7 +83,7 @@ Parts parts_of(const std::vector<char>& inside, const Index3& dims) {
   std::vector<std::size_t> open;
   for (std::size_t seed = 0; seed < inside.size(); ++seed) {
     if (!inside[seed] || parts.part[seed] >= 0) continue;
-    const int number = static_cast<int>(parts.size.size());
+    const int number = parts.size.size();
     parts.size.push_back(0), parts.is_cut.push_back(0);
     parts.part[seed] = number;
     open.push_back(seed);
@@ -107,7 +107,7 @@ std::vector<char> largest_body(const std::vector<char>& inside, const Index3& di
   const Parts parts = parts_of(inside, dims);
   if (parts.size.empty()) return {};
   const auto largest = std::max_element(parts.size.begin(), parts.size.end());
-  const int number = static_cast<int>(largest - parts.size.begin());
+  const int number = largest - parts.size.begin();
   if (parts.is_cut[number])
     notes.push_back(
         {Severity::warning, "organ.cut_off", "the organ reaches the edge of the image; its surface is closed there"});

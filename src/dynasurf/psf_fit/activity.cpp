@@ -44,7 +44,7 @@ Blending blending_of(const std::vector<Eigen::VectorXd>& gates, int first, int d
   field = AlignedMatrix(is_common ? 1 : gates.size(), cells.cell.size());
   Blending blending{static_cast<std::size_t>(count), {}};
   for (int k = 0; k < count; ++k)
-    for (std::size_t g = 0; g < field.count; ++g) blending.numbers.push_back(static_cast<float>(gates[g][first + k]));
+    for (std::size_t g = 0; g < field.count; ++g) blending.numbers.push_back(gates[g][first + k]);
   return blending;
 }
 
@@ -155,11 +155,11 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
   std::vector<std::vector<std::size_t>> of_slice(lattice.count[2]);
   parallel_for(of_slice.size(), 1, [&](std::size_t k, std::size_t) {
     std::vector<double> values(harmonics_up_to(surface_degree));
-    const Eigen::Map<const Eigen::VectorXd> harmonics(values.data(), static_cast<Eigen::Index>(values.size()));
+    const Eigen::Map<const Eigen::VectorXd> harmonics(values.data(), values.size());
     std::size_t cell = k * lattice.count[0] * lattice.count[1];
     for (int j = 0; j < lattice.count[1]; ++j)
       for (int i = 0; i < lattice.count[0]; ++i, ++cell) {
-        const Vec3 heart = place_of(i, j, static_cast<int>(k));
+        const Vec3 heart = place_of(i, j, k);
         if (heart[2] > highest_mm) continue;
         const Vec3 scaled = heart.cwiseQuotient(frame.scale), direction = direction_of(scaled);
         real_spherical_harmonics(direction, surface_degree, values);
@@ -176,17 +176,16 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
     const std::size_t row = lattice.count[0], plane = row * lattice.count[1];
     for (std::size_t c = begin; c < end; ++c) {
       const std::size_t cell = cells.cell[c];
-      const Vec3 heart =
-          place_of(static_cast<int>(cell % row), static_cast<int>(cell % plane / row), static_cast<int>(cell / plane));
+      const Vec3 heart = place_of(cell % row, cell % plane / row, cell / plane);
       const Vec3 scaled = heart.cwiseQuotient(frame.scale), direction = direction_of(scaled);
-      cells.q[c] = static_cast<float>(scaled.norm());
+      cells.q[c] = scaled.norm();
       // The slope of q, per mm, turns the width of an edge.
-      cells.edge_q[c] = static_cast<float>(lattice.edge_mm * direction.cwiseQuotient(frame.scale).norm());
-      cells.x[c] = static_cast<float>(heart[0]);
-      cells.y[c] = static_cast<float>(heart[1]);
-      cells.z[c] = static_cast<float>(heart[2]);
+      cells.edge_q[c] = lattice.edge_mm * direction.cwiseQuotient(frame.scale).norm();
+      cells.x[c] = heart[0];
+      cells.y[c] = heart[1];
+      cells.z[c] = heart[2];
       real_spherical_harmonics(direction, degree, values);
-      for (std::size_t h = 0; h < values.size(); ++h) cells.harmonics.line(h)[c] = static_cast<float>(values[h]);
+      for (std::size_t h = 0; h < values.size(); ++h) cells.harmonics.line(h)[c] = values[h];
     }
   });
   return cells;
@@ -253,7 +252,7 @@ void backpropagate_to_cells(const HeartCells& cells, const GateLayout& layout, c
               to.uptake.line(g), by_height.data());
   double height = 0, along_x = 0, along_y = 0, to_cavity = 0, to_background = 0;
   for (std::size_t c = 0; c < n; ++c) {
-    const auto of_height = static_cast<double>(by_height[c]);
+    const double of_height = by_height[c];
     height += of_height;
     along_x += of_height * cells.x[c];
     along_y += of_height * cells.y[c];

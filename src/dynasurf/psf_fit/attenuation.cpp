@@ -7,6 +7,7 @@
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/fourier.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::psf_fit {
@@ -44,7 +45,7 @@ struct Surroundings {
   std::vector<float> fade;           // from 1 at the fit's pixels to 0 at the rim
   std::vector<double> cosine, sine;  // of twice the direction of a transverse frequency, over the number of values
 
-  std::size_t values() const { return size[0] * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]); }
+  std::size_t values() const { return size[0] * static_cast<std::size_t>(size[1]) * size[2]; }
   /// at(place among the pixels, place in the box) for every pixel.
   template <class F>
   void for_all(const F& at) const {
@@ -62,10 +63,10 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
   s.pixels = pixels;
   std::array<std::vector<double>, 3> fade;
   for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
+    const std::size_t axis = a;
     const int joined = pixels.joined[axis], inside = pixels.count[axis];
     const double pitch = joined * pixels.spacing[a];
-    const int room = static_cast<int>(std::ceil(room_mm / pitch));
+    const int room = ceil_int(room_mm / pitch);
     s.before[axis] = std::min(room, pixels.first[axis] / joined);
     const int after = std::min(room, (grid.dims[axis] - pixels.first[axis]) / joined - inside);
     s.pixels.first[axis] -= s.before[axis] * joined;
@@ -84,10 +85,10 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
       for (int i = 0; i < s.pixels.count[0]; ++i) {
         const Vec3 centre(s.pixels.centre(0, i), s.pixels.centre(1, j), s.pixels.centre(2, k));
         s.place.push_back(turn * (centre - frame.centre) / unit_mm);
-        s.fade.push_back(static_cast<float>(fade[0][i] * fade[1][j] * fade[2][k]));
+        s.fade.push_back(fade[0][i] * fade[1][j] * fade[2][k]);
       }
   const auto frequency = [&](int a, int k) {
-    const auto axis = static_cast<std::size_t>(a);
+    const std::size_t axis = a;
     return (2 * k < s.size[axis] ? k : k - s.size[axis]) / (s.size[axis] * pixels.joined[axis] * pixels.spacing[a]);
   };
   const double share = 1 / static_cast<double>(s.values());
@@ -107,7 +108,7 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
 std::vector<Complex> images_of(const Surroundings& s, const std::vector<float>& one, const std::vector<float>& other) {
   std::vector<Complex> values(s.fade.size());
   for (std::size_t n = 0; n < values.size(); ++n) {
-    const auto fade = static_cast<double>(s.fade[n]);
+    const double fade = s.fade[n];
     values[n] = {fade * one[n], fade * other[n]};
   }
   return values;
@@ -210,8 +211,8 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
     for (std::size_t t = 0; t < terms.size(); ++t) {
       const std::vector<Complex> added = added_by(terms[t], s, both, spectra);
       for_own_pixels([&](std::size_t own, std::size_t at) {
-        images[t][first][own] = static_cast<float>(added[at].re);
-        if (second != first) images[t][second][own] = static_cast<float>(added[at].im);
+        images[t][first][own] = added[at].re;
+        if (second != first) images[t][second][own] = added[at].im;
       });
     }
   });

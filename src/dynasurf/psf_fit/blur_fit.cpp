@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -103,10 +104,9 @@ std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& s
   const Grid& grid = study.grid();
   for (int a = 0; a < 3; ++a) {
     const double room = 2.5 * fwhm_mm + 10;
-    const auto axis = static_cast<std::size_t>(a);
-    around.first[axis] = std::max(0, static_cast<int>(std::floor((heart.low[a] - room) / grid.spacing[a])));
-    const int last =
-        std::min(grid.dims[axis] - 1, static_cast<int>(std::ceil((heart.high[a] + room) / grid.spacing[a])));
+    const std::size_t axis = a;
+    around.first[axis] = std::max(0, floor_int((heart.low[a] - room) / grid.spacing[a]));
+    const int last = std::min(grid.dims[axis] - 1, ceil_int((heart.high[a] + room) / grid.spacing[a]));
     around.count[axis] = std::max(1, last - around.first[axis] + 1);
   }
   Refiltered refiltered{with_gaussian_filter(study, *filter, sigma_mm, around), blur, {}};
@@ -156,8 +156,8 @@ constexpr double tightest = 0.2;
 /// Finer harmonics than the blur lets through would only fit noise.
 void limit_degrees(BlurFit& options, const HeartFrame& frame, double fwhm_mm) {
   const double size = std::sqrt(frame.scale[0] * frame.scale[2]) / std::max(fwhm_mm / sigmas_per_fwhm, 3.0);
-  options.uptake_degree = std::min(options.uptake_degree, std::max(3, static_cast<int>(std::lround(1.6 * size))));
-  options.shape_degree = std::min(options.shape_degree, std::max(4, static_cast<int>(std::lround(size))));
+  options.uptake_degree = std::min(options.uptake_degree, std::max(3, round_int(1.6 * size)));
+  options.shape_degree = std::min(options.shape_degree, std::max(4, round_int(size)));
 }
 
 Fitting begin_fit(const Study& study, const PlacedStart& placed, const Blur& blur, const BlurFit& options) {
@@ -208,9 +208,8 @@ void lay_anew(Fitting& fit) {
   BeatProblem& problem = fit.setup.problem;
   const BeatLayout former = problem.layout;
   const GateLayout& old = former.gate;
-  const GateLayout gate =
-      make_gate_layout(old.endo_degree, old.wall_degree, old.uptake_degree, static_cast<int>(problem.blobs.size()),
-                       static_cast<int>(problem.attenuation.size()));
+  const GateLayout gate = make_gate_layout(old.endo_degree, old.wall_degree, old.uptake_degree, problem.blobs.size(),
+                                           problem.attenuation.size());
   std::vector<Eigen::VectorXd> first;
   for (const Eigen::VectorXd& numbers : fit.first) {
     first.push_back(Eigen::VectorXd::Zero(gate.count()));
@@ -324,7 +323,7 @@ int add_extracardiac_sources(Fitting& fit, double fwhm_mm) {
   if (blobs.empty()) return 0;
   for (const ExtracardiacSource& blob : blobs) problem.blobs.push_back(blob_image(problem, blob));
   lay_anew(fit);
-  return static_cast<int>(blobs.size());
+  return blobs.size();
 }
 
 /// The grid of the pixels that the fit compares.

@@ -61,7 +61,7 @@ void tell_outer_wall(double beyond, FittedBeat& beat) {
 
 void tell_edges(const BeatProblem& problem, const Solution& solution, FittedBeat& beat) {
   if (problem.reported.edge_share.empty() || beat.gates.size() < 2) return;
-  const auto ed = static_cast<std::size_t>(beat.ed_gate);
+  const std::size_t ed = beat.ed_gate;
   const double moved_ml = problem.reported.edge_share[ed] * solution.objective.activity[ed].wall_mm3 / 1000;
   char text[320];
   std::snprintf(

@@ -17,7 +17,7 @@ Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen:
 
 Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_(a.rows()) {
   constexpr Eigen::Index block = detail::corner_size;
-  const auto pitch = static_cast<Eigen::Index>(detail::filled_up(count_));
+  const Eigen::Index pitch = detail::filled_up(count_);
   lower_.resize(pitch, pitch);
   parallel_for(pitch, detail::line_step, [&](std::size_t from, std::size_t to) {
     const Eigen::Index at = from, end = to;
@@ -38,7 +38,7 @@ Cholesky::Cholesky(const RowMatrix& a, const Eigen::VectorXd& diagonal) : count_
     detail::factor_corner(corner, lines, across);
     if (rest == 0) break;
     constexpr std::size_t rows = detail::line_step;
-    const auto first = static_cast<std::size_t>(k + columns);
+    const std::size_t first = k + columns;
     parallel_for(across - first, 2 * rows, [&](std::size_t from, std::size_t to) {
       const Eigen::Index at = first + from, length = to - from;
       panel.block(0, at, columns, length) = lower_.block(at, k, length, columns).transpose();
@@ -69,7 +69,7 @@ Eigen::VectorXd Cholesky::solve(const Eigen::VectorXd& b) const {
 
 Eigen::VectorXd Cholesky::half_norms(const Eigen::MatrixXd& b) const {
   RowMatrix x = b;
-  const auto width = static_cast<std::size_t>(x.cols());
+  const std::size_t width = x.cols();
   detail::solve_lines(lower_.data(), count_, lower_.cols(), x.data(), width, width);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(x.cols());
   for (Eigen::Index i = 0; i < count_; ++i) squares += x.row(i).cwiseAbs2().transpose();

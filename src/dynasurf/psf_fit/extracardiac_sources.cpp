@@ -26,7 +26,7 @@ Profiles profiles(const BeatProblem& problem, const Vec3& centre) {
   for (int a = 0; a < 3; ++a)
     for (int n = 0; n < problem.pixels.count[a]; ++n) {
       const double x = problem.pixels.centre(a, n) - centre[a];
-      p.along[a].push_back(static_cast<float>(own::exp(-x * x / (2 * sigma * sigma))));
+      p.along[a].push_back(own::exp(-x * x / (2 * sigma * sigma)));
     }
   return p;
 }
@@ -44,10 +44,10 @@ std::vector<float> correlate(const BeatProblem& problem, const std::vector<float
     const int length = dims[a];
     out.assign(in.size(), 0.0F);
     for (std::size_t n = 0; n < in.size(); ++n) {
-      const int at = static_cast<int>(n / stride[a] % length);
+      const int at = n / stride[a] % length;
       for (int lag = std::max(-reach, -at); lag <= std::min(reach, length - 1 - at); ++lag) {
         const double x = lag * pitch;
-        const auto k = static_cast<float>(own::exp(-x * x / (2 * sigma * sigma)));
+        const float k = own::exp(-x * x / (2 * sigma * sigma));
         out[n] += k * in[static_cast<std::ptrdiff_t>(n) + lag * static_cast<std::ptrdiff_t>(stride[a])];
       }
     }
@@ -73,7 +73,7 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
   constexpr int passes = 6;
   const Index3 dims = problem.pixels.count;
   std::vector<float> missing(problem.pixels.size(), 0.0F);  // data less model, weighted
-  const auto gates = static_cast<float>(objective.residual.size());
+  const float gates = objective.residual.size();
   for (const auto& residual : objective.residual)
     for (std::size_t n = 0; n < missing.size(); ++n) missing[n] -= residual[n] / gates;
   const std::vector<float> norm = correlate(problem, problem.weight, 2);
@@ -94,9 +94,8 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
     std::vector<Vec3> taken;
     for (const std::size_t n : order) {
       const std::size_t row = dims[0], plane = row * dims[1];
-      const Vec3 centre(problem.pixels.centre(0, static_cast<int>(n % row)),
-                        problem.pixels.centre(1, static_cast<int>(n % plane / row)),
-                        problem.pixels.centre(2, static_cast<int>(n / plane)));
+      const Vec3 centre(problem.pixels.centre(0, n % row), problem.pixels.centre(1, n % plane / row),
+                        problem.pixels.centre(2, n / plane));
       const bool near =
           std::any_of(taken.begin(), taken.end(), [&](const Vec3& t) { return (t - centre).norm() < apart; });
       if (near || static_cast<int>(blobs.size()) >= most) continue;

@@ -89,11 +89,9 @@ double rim_angle(Walls& walls, double angle, bool outer) {
 
 std::vector<std::array<std::uint32_t, 3>> triangles() {
   std::vector<std::array<std::uint32_t, 3>> list;
-  const auto vertex = [](int ring, int segment) -> std::uint32_t {
-    return static_cast<std::uint32_t>(1 + (ring - 1) * around + segment % around);
-  };
+  const auto vertex = [](int ring, int segment) -> std::uint32_t { return 1 + (ring - 1) * around + segment % around; };
   constexpr int last = wall_rings + lid_rings - 1;
-  const auto top = static_cast<std::uint32_t>(1 + last * around);
+  const std::uint32_t top = 1 + last * around;
   for (int s = 0; s < around; ++s) {
     list.push_back({0, vertex(1, s + 1), vertex(1, s)});
     for (int r = 1; r < last; ++r) {
@@ -184,7 +182,7 @@ void allow_for_unseen_wall(FittedBeat& beat) {
   const auto widen = [](heart::Estimate& e, double by) { e.sd = own::hypot(e.sd, by); };
   const auto unseen = [&](int g) { return ml_per_mm3 * unseen_area(beat, beat.gates[g].endo); };
   for (std::size_t g = 0; g < beat.gates.size(); ++g) {
-    const double off_ml = off_mm * unseen(static_cast<int>(g));
+    const double off_ml = off_mm * unseen(g);
     widen(beat.gates[g].endo_ml, off_ml), widen(beat.gates[g].epi_ml, off_ml);
   }
   const double relaxed = unseen(beat.ed_gate), contracted = unseen(beat.es_gate);
@@ -218,7 +216,7 @@ void describe_gate(const BeatProblem& problem, const Solution& solution, const G
                    std::size_t g, VolumeGradients& by, FittedBeat& beat) {
   const BeatLayout& layout = problem.layout;
   const double cavity_share = problem.reported.cavity_share(g), wall_share = 1 - problem.reported.beyond;
-  Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), solution.unknowns);
+  Eigen::VectorXd numbers = layout.at_gate(g, solution.unknowns);
   numbers[layout.gate.endo] += problem.reported.outwards[g];
   Walls walls(problem, numbers, cavity_share, wall_share);
   FittedGate& gate = beat.gates[g];
@@ -233,8 +231,7 @@ void describe_gate(const BeatProblem& problem, const Solution& solution, const G
   const Activity& activity = solution.objective.activity[g];
   const auto of_beat = [&](double cavity, double muscle) {
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(layout.unknowns);
-    layout.add_gradient(static_cast<int>(g),
-                        backpropagate(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
+    layout.add_gradient(g, backpropagate(problem.cells, layout.gate, numbers, activity, {}, cavity, muscle) / 1000,
                         gradient);
     return gradient;
   };
@@ -253,8 +250,8 @@ void describe_volumes(const VolumeGradients& by, const Cholesky& factor, FittedB
   for (std::size_t g = 0; g < gates; ++g) {
     beat.wall_ml.value += wall[g] / gates;
     mean_wall += by.wall[g] / static_cast<double>(gates);
-    if (beat.gates[g].endo_ml.value > beat.gates[beat.ed_gate].endo_ml.value) beat.ed_gate = static_cast<int>(g);
-    if (beat.gates[g].endo_ml.value < beat.gates[beat.es_gate].endo_ml.value) beat.es_gate = static_cast<int>(g);
+    if (beat.gates[g].endo_ml.value > beat.gates[beat.ed_gate].endo_ml.value) beat.ed_gate = g;
+    if (beat.gates[g].endo_ml.value < beat.gates[beat.es_gate].endo_ml.value) beat.es_gate = g;
   }
   beat.wall_ml.sd = spread_of(mean_wall, factor);
   double variance = 0;
@@ -322,7 +319,7 @@ void describe_beat(const BeatProblem& problem, const Solution& solution, const C
   const BeatLayout& layout = problem.layout;
   beat.rings = wall_rings, beat.segments = around;
   const Cholesky factor(solution.matrix.whole(known.noise));
-  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::size_t gates = layout.gates;
   VolumeGradients by{std::vector<Eigen::VectorXd>(gates), std::vector<Eigen::VectorXd>(gates)};
   beat.gates.resize(gates);
   parallel_for(gates, 1,

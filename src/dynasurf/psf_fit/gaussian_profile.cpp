@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
 #include "dynasurf/psf_fit/detail/start.hpp"
@@ -29,8 +30,7 @@ struct WallProfiles {
 double sample(const Image& image, const Vec3& p) {
   const Grid& g = image.grid;
   const Vec3 v = p.cwiseQuotient(g.spacing);
-  const int i = static_cast<int>(std::floor(v[0])), j = static_cast<int>(std::floor(v[1])),
-            k = static_cast<int>(std::floor(v[2]));
+  const int i = floor_int(v[0]), j = floor_int(v[1]), k = floor_int(v[2]);
   const Vec3 f = v - Vec3(i, j, k);
   double sum = 0;
   for (int c = 0; c < 2; ++c)
@@ -66,7 +66,7 @@ std::vector<Ray> make_rays(const HeartFrame& frame) {
     ray.mm_per_q = step.norm();
     ray.per_mm = step / ray.mm_per_q;
     real_spherical_harmonics(ray.direction, degree, harmonics);
-    ray.harmonics = Eigen::Map<Eigen::VectorXd>(harmonics.data(), static_cast<Eigen::Index>(harmonics.size()));
+    ray.harmonics = Eigen::Map<Eigen::VectorXd>(harmonics.data(), harmonics.size());
     rays.push_back(std::move(ray));
   }
   return rays;
@@ -97,7 +97,7 @@ std::optional<WallProfiles> profiles_of(const Image& image, const std::vector<Ra
     const auto last =
         profile.begin() + static_cast<std::ptrdiff_t>(std::min(to / step_mm, static_cast<double>(profile.size())));
     if (first >= last) continue;
-    const auto peak = static_cast<std::size_t>(std::max_element(first, last) - profile.begin());
+    const std::size_t peak = std::max_element(first, last) - profile.begin();
     if (!(profile[peak] > 0)) continue;
     const double inner = deviation(profile, peak, -1, step_mm), outer = deviation(profile, peak, 1, step_mm);
     if (inner <= 0 || outer <= 0) continue;

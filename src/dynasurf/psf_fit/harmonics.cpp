@@ -22,7 +22,7 @@ void real_spherical_harmonics(const Vec3& unit, int degree, std::span<double> ou
     for (int n = 1; n <= 2 * m; ++n) scale /= std::sqrt(static_cast<double>(n));
     for (int l = m; l <= degree; ++l) {
       const double norm = scale * std::sqrt(2.0 * l + 1);
-      const auto middle = static_cast<std::size_t>(l * l + l);
+      const std::size_t middle = l * l + l;
       out[middle + m] = norm * here * re;
       if (m > 0) out[middle - m] = norm * here * im;
       const double above = ((2 * l + 1) * z * here - (l + m) * below) / (l - m + 1);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
 
 namespace dynasurf::psf_fit {
@@ -33,15 +34,15 @@ void look_along(const Pixels& pixels, int axis, double position, double sigma_mm
   const double reach = 2.9 * std::sqrt(variance) + 0.5 * spacing * (joined - 1);
   const double pitch = spacing * joined, start = pixels.centre(axis, 0);
   seen.weight.clear();
-  seen.from = std::max(0, static_cast<int>(std::ceil((position - reach - start) / pitch)));
-  const int to = std::min(pixels.count[axis] - 1, static_cast<int>(std::floor((position + reach - start) / pitch)));
+  seen.from = std::max(0, ceil_int((position - reach - start) / pitch));
+  const int to = std::min(pixels.count[axis] - 1, floor_int((position + reach - start) / pitch));
   for (int n = seen.from; n <= to; ++n) {
     double sum = 0;
     for (int v = 0; v < pixels.joined[axis]; ++v) {
       const double x = spacing * (pixels.first[axis] + n * pixels.joined[axis] + v) - position;
       sum += own::exp(-x * x / (2 * variance));
     }
-    seen.weight.push_back(static_cast<float>(sum / joined / std::sqrt(2 * M_PI * variance)));
+    seen.weight.push_back(sum / joined / std::sqrt(2 * M_PI * variance));
   }
 }
 
@@ -103,7 +104,7 @@ class RayPainter {
         edge_mm_(problem.cells.lattice.edge_mm),
         row_of_(problem.pixels.size(), -1),
         seen_by_(chosen.size(), 0) {
-    for (std::size_t n = 0; n < chosen.size(); ++n) row_of_[chosen[n]] = static_cast<int>(n);
+    for (std::size_t n = 0; n < chosen.size(); ++n) row_of_[chosen[n]] = n;
   }
 
   void paint(const WallRay& ray, std::size_t number) {
@@ -113,7 +114,7 @@ class RayPainter {
       for (std::size_t a = 0; a < 3; ++a) seen[p][a].weight.clear();
       if (ray.by_field[p].isZero(0)) continue;
       for (std::size_t a = 0; a < 3; ++a)
-        look_along(pixels_, static_cast<int>(a), ray.position[p][a], sigma_mm_[a], edge_mm_, seen[p][a]);
+        look_along(pixels_, a, ray.position[p][a], sigma_mm_[a], edge_mm_, seen[p][a]);
       if (!is_seen(seen[p])) continue;
       for (std::size_t a = 0; a < 3; ++a) {
         first[a] = std::min(first[a], seen[p][a].from);
@@ -123,7 +124,7 @@ class RayPainter {
     const Index3 size{end[0] - first[0], end[1] - first[1], end[2] - first[2]};
     if (size[0] <= 0) return;
     for (std::vector<float>& of_field : box_)
-      of_field.assign(size[0] * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]), 0.0F);
+      of_field.assign(size[0] * static_cast<std::size_t>(size[1]) * size[2], 0.0F);
     for (std::size_t p = 0; p < seen.size(); ++p)
       if (is_seen(seen[p])) add_point(seen[p], ray.by_field[p], first, size);
     look_through_box(first, size, number);
@@ -220,8 +221,8 @@ std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::Ve
   const GateLayout& layout = problem.layout.gate;
   const PsfProjector camera = make_camera(problem.cells.lattice, problem.pixels, sigma_mm, problem.filtered);
   const HeartCells& cells = problem.cells;
-  const auto background = static_cast<float>(gate[layout.background]);
-  const auto cavity = static_cast<float>(gate[layout.cavity]);
+  const float background = gate[layout.background];
+  const float cavity = gate[layout.cavity];
   std::vector<WholeImage> images;
   std::vector<float> lattice(cells.lattice.size(), 0.0F);
   const auto add = [&](int number, const auto& value_of) {
@@ -279,12 +280,12 @@ detail::AlignedMatrix squares_of_derivatives(const BeatProblem& problem, const E
   const WallRays walls(problem, gate);
   const double solid_angle = 4 * M_PI / rays.direction.size();
   for (std::size_t n = 0; n < rays.direction.size(); ++n)
-    painter.paint(walls.along(rays.direction[n], rays.harmonics.col(static_cast<Eigen::Index>(n)), solid_angle), n);
+    painter.paint(walls.along(rays.direction[n], rays.harmonics.col(n), solid_angle), n);
   painter.sort(rays);
   const std::vector<WholeImage> images = whole_images(problem, gate, activity, sigma);
 
   // Some lines at a time, so that they are still in the cache when they are squared.
-  const auto length = static_cast<std::size_t>(layout.count());
+  const std::size_t length = layout.count();
   detail::AlignedMatrix squares = detail::no_squares(length), lines(detail::lines_at_once, length);
   for (std::size_t first = 0; first < chosen.size(); first += lines.count) {
     const std::size_t count = std::min(lines.count, chosen.size() - first);

@@ -16,7 +16,7 @@ namespace dynasurf::psf_fit {
 namespace {
 
 void add_scaled(std::vector<float>& image, double amplitude, const std::vector<float>& other) {
-  const auto factor = static_cast<float>(amplitude);
+  const float factor = amplitude;
   for (std::size_t n = 0; n < image.size(); ++n) image[n] += factor * other[n];
 }
 
@@ -24,7 +24,7 @@ std::vector<float> picture(const BeatProblem& problem, std::size_t g, const Eige
                            const Activity& activity, const PsfProjector& camera) {
   const GateLayout& layout = problem.layout.gate;
   std::vector<float> image = project(camera, activity.cells);
-  const auto background = static_cast<float>(gate[layout.background]);
+  const float background = gate[layout.background];
   for (float& v : image) v += background;
   for (int k = 0; k < layout.attenuation_count; ++k)
     add_scaled(image, gate[layout.attenuation + k], problem.attenuation[k][g]);
@@ -62,7 +62,7 @@ struct WallCycle {
   Eigen::MatrixXd by_volume;  // [deviation][gate]
 };
 WallCycle wall_cycle(const BeatProblem& problem, const std::vector<Activity>& activity) {
-  const auto gates = static_cast<Eigen::Index>(activity.size());
+  const Eigen::Index gates = activity.size();
   double mean = 0;
   for (const Activity& a : activity) mean += a.wall_mm3 / gates;
   mean = std::max(mean, 1.0);
@@ -94,7 +94,7 @@ Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns) {
   const TraceStage noted("fit: objective");
   const BeatLayout& layout = problem.layout;
-  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::size_t gates = layout.gates;
   Objective result;
   const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
   if (!is_within_reach(layout, numbers.front())) {
@@ -126,7 +126,7 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
   const TraceStage noted("fit: gradient");
   const BeatLayout& layout = problem.layout;
   const GateLayout& places = layout.gate;
-  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::size_t gates = layout.gates;
   const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
   const PsfProjector camera = camera_of(problem, numbers);
   const WallCycle cycle = wall_cycle(problem, at.activity);
@@ -149,7 +149,7 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
   });
   const std::vector<Eigen::VectorXd> gradients = gather(problem.cells, places, to_cells);
   Eigen::VectorXd gradient = (unknowns - layout.expected).cwiseQuotient(layout.spread).cwiseQuotient(layout.spread);
-  for (std::size_t g = 0; g < gates; ++g) layout.add_gradient(static_cast<int>(g), gradients[g], gradient);
+  for (std::size_t g = 0; g < gates; ++g) layout.add_gradient(g, gradients[g], gradient);
   for (const WallTerm& term : wall_terms(problem, numbers))
     layout.add_gradient(term.gate, term.deviation * term.by_number, gradient);
   return gradient;
@@ -165,7 +165,7 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
                             int every) {
   const BeatLayout& layout = problem.layout;
   const Index3& count = problem.pixels.count;
-  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::size_t gates = layout.gates;
   std::vector<std::size_t> chosen;
   std::size_t n = 0;
   for (int k = 0; k < count[2]; ++k)
@@ -176,7 +176,7 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
   const EvenRays rays = even_rays(problem);
   std::vector<Eigen::MatrixXd> of_gate(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
+    const Eigen::VectorXd numbers = layout.at_gate(g, unknowns);
     of_gate[g] =
         symmetric(squares_of_derivatives(problem, rays, g, numbers, at.activity[g], chosen), layout.gate.count());
   });
@@ -188,18 +188,18 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
 
 Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
   const BeatLayout& layout = problem.layout;
-  const auto gates = static_cast<std::size_t>(layout.gates);
+  const std::size_t gates = layout.gates;
   std::vector<Eigen::VectorXd> of_wall(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
-    const Eigen::VectorXd numbers = layout.at_gate(static_cast<int>(g), unknowns);
+    const Eigen::VectorXd numbers = layout.at_gate(g, unknowns);
     of_wall[g] = backpropagate(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
   });
   Eigen::MatrixXd matrix = layout.spread.cwiseAbs2().cwiseInverse().asDiagonal();
   Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(layout.unknowns, layout.gates);
   for (std::size_t g = 0; g < gates; ++g) {
     Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
-    layout.add_gradient(static_cast<int>(g), of_wall[g], column);
-    walls.col(static_cast<Eigen::Index>(g)) = column;
+    layout.add_gradient(g, of_wall[g], column);
+    walls.col(g) = column;
   }
   const Eigen::MatrixXd deviations = product(walls, wall_cycle(problem, at.activity).by_volume.transpose());
   matrix += product(deviations, deviations.transpose());

@@ -27,7 +27,7 @@ std::vector<std::vector<float>> fast_part(const std::vector<std::vector<float>>&
 /// does not describe. Of sharp images that is texture, which moves no wall.
 double standing_misfit(const BeatProblem& problem, const Objective& objective, double noise_variance) {
   if (problem.sigma_mm <= 0) return 0;
-  const auto gates = static_cast<double>(objective.residual.size());
+  const double gates = objective.residual.size();
   double squares = 0, weights = 0;
   for (std::size_t n = 0; n < problem.weight.size(); ++n) {
     double mean = 0;
@@ -49,11 +49,11 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   for (auto& values : scaled)
     for (std::size_t n = 0; n < values.size(); ++n) {
       values[n] *= std::sqrt(problem.weight[n]);
-      if (problem.weight[n] > 0) squares.push_back(static_cast<double>(values[n] * values[n]));
+      if (problem.weight[n] > 0) squares.push_back(values[n] * values[n]);
     }
   // By the median, so that a hot neighbour does not pass for noise.
   const double variance = std::max(1e-12, quantile(squares, 0.5) / (0.6745 * 0.6745));
-  const auto most = static_cast<float>(3 * std::sqrt(variance));
+  const float most = 3 * std::sqrt(variance);
   for (auto& values : scaled)
     for (float& v : values) v = std::clamp(v, -most, most);
   double shared = 1, shared_within_blur = 1;
@@ -62,7 +62,7 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
     for (int lag = 1; lag < 8 && lag < dims[axis]; ++lag) {
       double product = 0, pairs = 0;
       const std::size_t apart = stride[axis] * lag;
-      const auto length = static_cast<std::size_t>(dims[axis]);
+      const std::size_t length = dims[axis];
       for (const auto& values : scaled)
         for (std::size_t n = 0; n + apart < values.size(); ++n) {
           if (n / stride[axis] % length + lag >= length) continue;
@@ -82,7 +82,7 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   constexpr double least = 1e-5;  // of the square of healthy muscle: no model is better than that
   const double alone = std::max(variance, least);
   // What the model leaves out stands still: no number of gates averages it away.
-  const auto gates = static_cast<double>(objective.residual.size());
+  const double gates = objective.residual.size();
   // The fit has bent towards a part of the misfit, which is not seen: 1.5 was chosen on seeds 1 to 30 of
   // experiments/camera.
   constexpr double unseen_too = 1.5;

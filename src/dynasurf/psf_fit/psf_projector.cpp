@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/psf_fit/detail/matrix_loops.hpp"
 
 namespace dynasurf::psf_fit {
@@ -24,7 +25,7 @@ double overlap(double cell, double step, double voxel, double spacing) {
 
 /// exp(-t) I_n(t), n = 0, 1, ... up to where it ends: a Gaussian filter of variance t on a lattice.
 std::vector<double> discrete_gaussian(double t) {
-  const int reach = static_cast<int>(std::ceil(4.5 * std::sqrt(t))) + 1;
+  const int reach = ceil_int(4.5 * std::sqrt(t)) + 1;
   // The integral of exp(t (cos w - 1)) cos(n w) over one period; the trapezoid rule is exact for periodic functions.
   constexpr int nodes = 64;
   std::vector<double> half;
@@ -95,13 +96,11 @@ AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis,
   AxisKernel kernel;
   for (int n = 0; n < pixels.count[axis]; ++n) {
     const double centre = pixels.centre(axis, n);
-    const int from =
-        std::clamp(static_cast<int>(std::ceil((centre - reach - cells.start[axis]) / step)), 0, cell_count);
-    const int to =
-        std::clamp(static_cast<int>(std::floor((centre + reach - cells.start[axis]) / step)) + 1, from, cell_count);
+    const int from = std::clamp(ceil_int((centre - reach - cells.start[axis]) / step), 0, cell_count);
+    const int to = std::clamp(floor_int((centre + reach - cells.start[axis]) / step) + 1, from, cell_count);
     kernel.from.push_back(from);
     kernel.to.push_back(to);
-    kernel.at.push_back(static_cast<int>(kernel.weights.size()));
+    kernel.at.push_back(kernel.weights.size());
     for (int c = from; c < to; ++c) {
       const double cell = cells.start[axis] + c * step;
       double weight = 0, by_width = 0;
@@ -110,8 +109,8 @@ AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis,
         weight += voxel_kernel.weight(cell - voxel) / joined;
         by_width += voxel_kernel.by_log_sigma(cell - voxel) / joined;
       }
-      kernel.weights.push_back(static_cast<float>(weight));
-      kernel.by_width.push_back(static_cast<float>(by_width));
+      kernel.weights.push_back(weight);
+      kernel.by_width.push_back(by_width);
     }
   }
   return kernel;
@@ -136,11 +135,11 @@ Collector transposed(const AxisKernel& kernel, int cells) {
     std::size_t first = 0;
     while (first < pixels && kernel.to[first] <= c) ++first;
     std::size_t end = first;
-    back.at.push_back(static_cast<int>(back.own.size()));
+    back.at.push_back(back.own.size());
     for (; end < pixels && kernel.from[end] <= c && c < kernel.to[end]; ++end)
       back.own.push_back(kernel.weights[kernel.at[end] + c - kernel.from[end]]);
-    back.from.push_back(static_cast<int>(first));
-    back.to.push_back(static_cast<int>(end));
+    back.from.push_back(first);
+    back.to.push_back(end);
   }
   back.weights = back.own.data();
   return back;
@@ -159,7 +158,7 @@ void collect(const Collector& kernel, int length, std::size_t stride, std::size_
 
 /// The same for single values: all that one of `in` goes to is added at once. `out` has `out_length` values a block.
 void spread(const Collector& kernel, int length, int out_length, std::size_t blocks, const float* in, float* out) {
-  detail::AlignedMatrix to_all(static_cast<std::size_t>(length), static_cast<std::size_t>(out_length));
+  detail::AlignedMatrix to_all(length, out_length);
   for (std::size_t n = 0; n < kernel.from.size(); ++n)
     for (int c = kernel.from[n]; c < kernel.to[n]; ++c)
       to_all.line(c)[n] = kernel.weights[kernel.at[n] + c - kernel.from[n]];
@@ -199,7 +198,7 @@ std::vector<float> join(const Image& image, const Pixels& p) {
             for (int a = 0; a < p.joined[0]; ++a)
               sum += image(p.first[0] + i * p.joined[0] + a, p.first[1] + j * p.joined[1] + b,
                            p.first[2] + k * p.joined[2] + c);
-        means[at++] = static_cast<float>(sum / (p.joined[0] * p.joined[1] * p.joined[2]));
+        means[at++] = sum / (p.joined[0] * p.joined[1] * p.joined[2]);
       }
   return means;
 }

@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/fourier.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::psf_fit {
@@ -19,7 +20,7 @@ using Tables = std::array<FourierTable, 3>;
 Tables tables_for(const Index3& size) {
   return {make_fourier_table(size[0]), make_fourier_table(size[1]), make_fourier_table(size[2])};
 }
-std::size_t product(const Index3& n) { return n[0] * static_cast<std::size_t>(n[1]) * static_cast<std::size_t>(n[2]); }
+std::size_t product(const Index3& n) { return n[0] * static_cast<std::size_t>(n[1]) * n[2]; }
 
 /// value(|f|², index) for all frequencies of a box, first axis fastest; f in cycles per mm.
 template <class F>
@@ -110,7 +111,7 @@ Spectrum spectrum_of_noise(const Study& study) {
 
 /// Root mean square of what a ramp, a Gaussian and a Butterworth filter (cutoff 0: none) leave of the logarithm.
 double misfit(const Spectrum& spectrum, const ReconstructionFilter& filter) {
-  const auto n = static_cast<Eigen::Index>(spectrum.frequency.size());
+  const Eigen::Index n = spectrum.frequency.size();
   Eigen::MatrixXd shape(n, 3);
   Eigen::VectorXd left(n);
   for (Eigen::Index s = 0; s < n; ++s) {
@@ -172,9 +173,8 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
   const Grid& grid = study.grid();
   Index3 size;
   for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
-    size[axis] =
-        power_of_two(box.count[axis] + static_cast<int>(std::ceil(1 / (filter.cutoff_per_mm * grid.spacing[a]))));
+    const std::size_t axis = a;
+    size[axis] = power_of_two(box.count[axis] + ceil_int(1 / (filter.cutoff_per_mm * grid.spacing[a])));
   }
   const Tables tables = tables_for(size);
   std::vector<double> factor(product(size));
@@ -197,9 +197,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
     std::size_t at = 0;
     for (const int k : source[2])
       for (const int j : source[1])
-        for (const int i : source[0])
-          values[at++] = {static_cast<double>(study.gates[first](i, j, k)),
-                          static_cast<double>(study.gates[second](i, j, k))};
+        for (const int i : source[0]) values[at++] = {study.gates[first](i, j, k), study.gates[second](i, j, k)};
     transform_box(tables, values, -1);
     for (std::size_t n = 0; n < values.size(); ++n) values[n].re *= factor[n], values[n].im *= factor[n];
     transform_box(tables, values, 1);
@@ -208,8 +206,8 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
         for (int i = 0; i < box.count[0]; ++i) {
           const Complex& v = values[i + size[0] * (j + size[1] * static_cast<std::size_t>(k))];
           const int x = box.first[0] + i, y = box.first[1] + j, z = box.first[2] + k;
-          refiltered.gates[first](x, y, z) = static_cast<float>(v.re);
-          refiltered.gates[second](x, y, z) = static_cast<float>(first == second ? v.re : v.im);
+          refiltered.gates[first](x, y, z) = v.re;
+          refiltered.gates[second](x, y, z) = first == second ? v.re : v.im;
         }
   });
   return refiltered;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -19,9 +20,9 @@ Pixels pixels_around(const Bounds& box, const Grid& grid, double sigma_mm, doubl
   for (int a = 0; a < 3; ++a) {
     // Sharp voxels of 2 mm and less are joined: their edges are known better than a wall is smooth.
     const double wanted = sigma_mm > 0 ? std::max(1.4 * sigma_mm, 3.0) : 4.0;
-    const int joined = std::max(1, static_cast<int>(std::lround(wanted / grid.spacing[a])));
-    const int from = std::max(0, static_cast<int>(std::floor((box.low[a] - margin_mm) / grid.spacing[a])));
-    const int to = std::min(grid.dims[a] - 1, static_cast<int>(std::ceil((box.high[a] + margin_mm) / grid.spacing[a])));
+    const int joined = std::max(1, round_int(wanted / grid.spacing[a]));
+    const int from = std::max(0, floor_int((box.low[a] - margin_mm) / grid.spacing[a]));
+    const int to = std::min(grid.dims[a] - 1, ceil_int((box.high[a] + margin_mm) / grid.spacing[a]));
     pixels.joined[a] = joined;
     pixels.first[a] = from;
     pixels.count[a] = std::max(0, (to - from + 1) / joined);
@@ -38,7 +39,7 @@ CellLattice lattice_around(const Bounds& box, const Pixels& pixels, double sigma
   }
   const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
   for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
+    const std::size_t axis = a;
     // Sharp images want whole cells in every voxel, two in a joined one.
     constexpr double sharp_mm = 2.3;
     lattice.step[a] = 0.7 * sigma_mm > std::min(0.5 * finest, 2.0)
@@ -79,8 +80,7 @@ std::vector<Place> places_of(const Pixels& pixels, const HeartFrame& frame, cons
     Place* place = places.data() + k * dims[0] * dims[1];
     for (int j = 0; j < dims[1]; ++j)
       for (int i = 0; i < dims[0]; ++i, ++place) {
-        const Vec3 heart =
-            frame.to_heart({pixels.centre(0, i), pixels.centre(1, j), pixels.centre(2, static_cast<int>(k))});
+        const Vec3 heart = frame.to_heart({pixels.centre(0, i), pixels.centre(1, j), pixels.centre(2, k)});
         const Vec3 scaled = heart.cwiseQuotient(frame.scale);
         const double q = std::max(1e-6, scaled.norm());
         real_spherical_harmonics(scaled / q, outer_degree, harmonics);
@@ -169,7 +169,7 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   }
   measure_brightness(s, mean, margin);
   for (auto& values : p.values)
-    for (float& v : values) v = static_cast<float>(v / s.unit);
+    for (float& v : values) v = v / s.unit;
   p.thickness = thickness_prior(start, degree, options);
   p.points = placed_points(start, degree);
   weigh_pixels(s, mean, blur, margin);

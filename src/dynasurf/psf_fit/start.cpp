@@ -158,7 +158,7 @@ Eigen::VectorXd uptake_seen(const Image& mean, const PlacedStart& start, double 
   for (int n = 0; n < directions; ++n) {
     const Vec3 direction = fibonacci_direction(n, directions);
     real_spherical_harmonics(direction, std::max(degree, shape_degree), harmonics);
-    const Eigen::Map<const Eigen::VectorXd> at(harmonics.data(), static_cast<Eigen::Index>(harmonics.size()));
+    const Eigen::Map<const Eigen::VectorXd> at(harmonics.data(), harmonics.size());
     const double inner = own::exp(endo.dot(at.head(endo.size()))), outer = own::exp(epi.dot(at.head(epi.size())));
     if (direction[2] * start.frame.scale[2] * (inner + outer) / 2 > base - below_base_mm) continue;
     double most = 0;

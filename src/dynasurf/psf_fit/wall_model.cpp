@@ -137,10 +137,10 @@ void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen
     Eigen::VectorXd column(unknowns);
     for (std::size_t j = begin; j < end; ++j)
       for (int g = 0; g < gates; ++g) {
-        const auto at = static_cast<std::size_t>(g);
+        const std::size_t at = g;
         if (terms[at][j].empty()) continue;
         column.setZero();
-        add_gradient(g, of_gates[at].col(static_cast<Eigen::Index>(j)), column);
+        add_gradient(g, of_gates[at].col(j), column);
         for (const Term& b : terms[at][j])
           // The lower triangle alone; the upper one is its mirror.
           of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
@@ -152,7 +152,7 @@ BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::Vec
                             Eigen::VectorXd& unknowns) {
   BeatLayout layout;
   layout.gate = gate;
-  layout.gates = static_cast<int>(start.size());
+  layout.gates = start.size();
   layout.terms.assign(start.size(), std::vector<std::vector<BeatLayout::Term>>(gate.count()));
   Builder build{layout, start, {}, {}, {}};
   const std::vector<Wave> waves = waves_up_to(low_waves, layout.gates);

@@ -24,7 +24,7 @@ Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFra
                   const GateLayout& layout, const Eigen::VectorXd& gate, int degree) {
   constexpr std::size_t rays_at_once = 64;
   const int endo = harmonics_up_to(layout.endo_degree), wall = harmonics_up_to(layout.wall_degree);
-  const auto count = static_cast<Eigen::Index>(points.size());
+  const Eigen::Index count = points.size();
   Rays rays{Eigen::MatrixXd::Zero(count, harmonics_up_to(degree)), Eigen::VectorXd::Zero(count),
             Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
   parallel_for(points.size(), rays_at_once, [&](std::size_t begin, std::size_t end) {
@@ -32,7 +32,7 @@ Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFra
     for (std::size_t p = begin; p < end; ++p) {
       const auto& point = points[p];
       if (!point) continue;
-      const auto n = static_cast<Eigen::Index>(p);
+      const Eigen::Index n = p;
       const Vec3 heart = frame.to_heart(to_grid(grid, *point));
       real_spherical_harmonics(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
       rays.harmonics.row(n) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());

@@ -40,7 +40,7 @@ WallTerm thickness_term(const BeatProblem& problem, const Eigen::VectorXd& gate)
   const ThicknessPrior& prior = problem.thickness;
   const GateLayout& layout = problem.layout.gate;
   WallTerm term{prior.gate, 0, Eigen::VectorXd::Zero(layout.count())};
-  const auto directions = static_cast<double>(prior.harmonics.rows());
+  const double directions = prior.harmonics.rows();
   double sum = 0;
   for (Eigen::Index d = 0; d < prior.harmonics.rows(); ++d) {
     const auto row = prior.harmonics.row(d);
@@ -63,8 +63,7 @@ WallTerm point_term(const BeatProblem& problem, const PlacedPoint& point, const 
   // Cubes of q: the wall encloses the cavity and a share of the muscle.
   const double cavity =
       own::pow(ray.endo, 3) * (reported.outwards.empty() ? 1 : own::exp(3 * reported.outwards[point.gate]));
-  const double share =
-      point.is_outer ? 1 - reported.beyond : reported.cavity_share(static_cast<std::size_t>(point.gate));
+  const double share = point.is_outer ? 1 - reported.beyond : reported.cavity_share(point.gate);
   const double muscle = share * ray.muscle, whole = reported_cavity(cavity, ray.muscle, share);
   term.deviation = (own::log(whole) / 3 - point.log_q) / point.log_sd;
   add_derivatives(layout, point.harmonics, cavity / (whole * point.log_sd), muscle / (3 * whole * point.log_sd),
@@ -92,7 +91,7 @@ ThicknessPrior thickness_prior(const PlacedStart& start, int degree, const BlurF
   double largest = 0;
   for (std::size_t g = 0; g < start.endo.size(); ++g) {
     const double volume = mesh::volume_mm3(start.endo[g]);
-    if (volume > largest) largest = volume, prior.gate = static_cast<int>(g);
+    if (volume > largest) largest = volume, prior.gate = g;
   }
   const double base = start.frame.to_heart(start.base[prior.gate].point)[2];
   const double apex = -start.frame.scale[2], lowest = prior.is_given ? apex + (base - apex) / 3 : apex;
@@ -107,11 +106,10 @@ ThicknessPrior thickness_prior(const PlacedStart& start, int degree, const BlurF
     prior.directions.push_back(direction);
     mm.push_back(1 / direction.cwiseQuotient(start.frame.scale).norm());
   }
-  prior.harmonics.resize(static_cast<Eigen::Index>(rows.size()), harmonics_up_to(degree));
+  prior.harmonics.resize(rows.size(), harmonics_up_to(degree));
   for (std::size_t n = 0; n < rows.size(); ++n)
-    prior.harmonics.row(static_cast<Eigen::Index>(n)) =
-        Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
-  prior.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), static_cast<Eigen::Index>(mm.size()));
+    prior.harmonics.row(n) = Eigen::Map<Eigen::RowVectorXd>(rows[n].data(), harmonics_up_to(degree));
+  prior.mm_per_q = Eigen::Map<Eigen::VectorXd>(mm.data(), mm.size());
   return prior;
 }
 
@@ -132,7 +130,7 @@ void follow_slopes(const GateLayout& layout, const HeartFrame& frame, const Eige
     Vec3 normal = direction;
     for (const Vec3& t : {along, across})
       normal -= (log_middle(direction + step * t) - log_middle(direction - step * t)) / (2 * step) * t;
-    prior.mm_per_q[static_cast<Eigen::Index>(d)] = 1 / normal.cwiseQuotient(frame.scale).norm();
+    prior.mm_per_q[d] = 1 / normal.cwiseQuotient(frame.scale).norm();
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
 
@@ -33,7 +34,7 @@ Agreement agreement_of(const std::vector<Dot>& dots) {
   Agreement a;
   a.count = dots.size();
   if (dots.empty()) return a;
-  const auto n = static_cast<double>(dots.size());
+  const double n = dots.size();
   for (const Dot& dot : dots) a.bias += dot.difference / n;
   double squares = 0;
   for (const Dot& dot : dots) squares += (dot.difference - a.bias) * (dot.difference - a.bias);
@@ -57,8 +58,8 @@ struct Axis {
     high = step * std::ceil(to / step);
   }
   double share(double value) const { return (value - low) / (high - low); }
-  int steps() const { return static_cast<int>(std::lround((high - low) / step)); }
-  int decimals() const { return std::max(0, -static_cast<int>(std::floor(own::log10(step) + 1e-9))); }
+  int steps() const { return std::lround((high - low) / step); }
+  int decimals() const { return std::max(0, -floor_int(own::log10(step) + 1e-9)); }
 };
 
 constexpr double left = 64, right = 500, top = 34, bottom = 300;

@@ -43,7 +43,7 @@ Vec3 vector_in(const io::JsonNode& object, std::string_view key) {
 
 std::string borders_json(const ventricle::BorderResult& result, int gate, std::size_t most_voxels) {
   using namespace detail;
-  const ventricle::GateBorders& found = result.gates.at(static_cast<std::size_t>(gate));
+  const ventricle::GateBorders& found = result.gates.at(gate);
   const Grid& grid = result.study.grid();
   const auto around = [&](const std::optional<ventricle::BorderField>& wall) {
     return wall ? surroundings_json(wall->border, wall->field, nullptr, grid) : Json(nullptr);

@@ -145,7 +145,7 @@ nlohmann::ordered_json comparison_json(const ComparedStudy& rest, const Compared
       at_rest.most > 0 && under_stress.most > 0 ? Json(under_stress.sum - at_rest.sum) : Json();
   json["segments"] = Json::array();
   for (const ventricle::Segment& s : ventricle::segments_of(model)) {
-    const auto n = static_cast<std::size_t>(s.number - 1);
+    const std::size_t n = s.number - 1;
     const auto score = [&](const ventricle::SegmentScores& of) { return of.score[n] ? Json(*of.score[n]) : Json(); };
     json["segments"].push_back({{"number", s.number},
                                 {"name", s.name},

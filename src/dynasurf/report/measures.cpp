@@ -181,7 +181,7 @@ std::string polar_csv(const ventricle::Measures& m) {
   csv += '\n';
   for (std::size_t n = 0; n < m.grid.size(); ++n) {
     const ventricle::PolarPoint at = m.grid.point(n);
-    const auto sectors = static_cast<std::size_t>(m.grid.sectors);
+    const std::size_t sectors = m.grid.sectors;
     csv += std::to_string(n / sectors + 1) + "," + std::to_string(n % sectors + 1) + "," + text_of(at.rho, 5) + "," +
            text_of(at.angle_deg, 3) + "," + std::to_string(ventricle::segment_at(m.model, at)) + "," +
            (n < m.area_mm2.size() ? text_of(m.area_mm2[n], 3) : "");

@@ -70,7 +70,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
   const std::size_t gates = curves[0].values.size();
   const auto x_of = [&](std::size_t g) { return text_of(left + width * g / std::max<std::size_t>(1, gates - 1), 1); };
   std::string svg = "<text class=\"head\" x=\"" + text_of(left, 0) + "\" y=\"14\">" + title + "</text>\n";
-  const int lines = static_cast<int>(std::lround((high - low) / step));
+  const int lines = std::lround((high - low) / step);
   for (int n = 0; n <= lines; ++n) {
     const double v = low + n * step;
     svg += "<path d=\"M" + text_of(left, 0) + " " + y_of(v) + "h" + text_of(width, 0) + "\" stroke=\"" +
@@ -111,7 +111,7 @@ std::vector<std::optional<double>> over_gates(const ventricle::TrackedMotion& mo
 }  // namespace
 
 Json motion_json(const MotionRun& run, const Provenance& provenance) {
-  const auto peak = static_cast<std::size_t>(run.motion.peak_gate);
+  const std::size_t peak = run.motion.peak_gate;
   Json json = Json::object();
   json["schema"] = "dynasurf.motion/1";
   json["use"] = "Research use only. Not for diagnosis.";

@@ -86,7 +86,7 @@ NormalGroups read_normal_groups(const std::filesystem::path& path) {
   }
   constexpr std::size_t most_columns = 16;
   normals.columns = texts_in(file, "columns", most_columns);
-  normals.least = static_cast<int>(io::whole_in(file, "least", 3, 1000000));
+  normals.least = io::whole_in(file, "least", 3, 1000000);
   normals.all = detail::normals_in(io::object_in(file, "all"));
   const io::JsonNode groups = io::list_in(file, "groups");
   for (std::size_t n = 0; n < io::size_of(groups); ++n) {
@@ -95,7 +95,7 @@ NormalGroups read_normal_groups(const std::filesystem::path& path) {
     group.values = texts_in(one, "values", most_columns);
     if (group.values.size() != normals.columns.size())
       io::refuse_value(io::list_in(one, "values"), "a list of " + std::to_string(normals.columns.size()));
-    group.studies = static_cast<int>(io::whole_in(one, "studies", 1, 1000000));
+    group.studies = io::whole_in(one, "studies", 1, 1000000);
     if (io::has(one, "map")) group.map = detail::normals_in(io::object_in(one, "map"));
     normals.groups.push_back(std::move(group));
   }

@@ -152,7 +152,7 @@ ventricle::NormalMap normals_in(const io::JsonNode& map) {
   if (!io::has(map, "schema") || io::text_in(map, "schema") != "dynasurf.normals/1")
     throw InputError(map.file + ": no normal map; expected schema dynasurf.normals/1");
   ventricle::NormalMap normal;
-  normal.studies = static_cast<int>(io::whole_in(map, "studies", 1, 1000000));
+  normal.studies = io::whole_in(map, "studies", 1, 1000000);
   normal.perfusion_is = perfusion_in(map);
   io::whole_in(map, "rings", normal.grid.rings, normal.grid.rings);  // there is one grid
   io::whole_in(map, "sectors", normal.grid.sectors, normal.grid.sectors);

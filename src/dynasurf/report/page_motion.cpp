@@ -11,9 +11,7 @@ constexpr ventricle::Border walls[] = {ventricle::Border::endo, ventricle::Borde
 /// A part of a grid: its first voxel and how many.
 struct Window {
   Index3 first{0, 0, 0}, count{0, 0, 0};
-  std::size_t size() const {
-    return count[0] * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
-  }
+  std::size_t size() const { return count[0] * static_cast<std::size_t>(count[1]) * count[2]; }
 };
 
 /// The voxels above 0 with a margin in every direction.
@@ -54,7 +52,7 @@ void put_field(Json& json, const field::VectorField& field, const Window& w) {
     const Vec3 v = vector_at(n);
     const double length = v.norm();
     for (int axis = 0; axis < 3; ++axis)
-      directions.push_back(static_cast<std::uint8_t>(std::lround(127 + (length > 0 ? 127 * v[axis] / length : 0))));
+      directions.push_back(std::lround(127 + (length > 0 ? 127 * v[axis] / length : 0)));
     append(lengths, static_cast<std::uint16_t>(std::lround(longest > 0 ? 65535 * length / longest : 0)));
   });
   json["longest"] = longest;
@@ -155,7 +153,7 @@ Json surroundings_json(const Image& border_volume, const field::VectorField& fie
   Bytes drag;
   for_each(w, grid, [&](std::size_t n) {
     const double part = most > 0 ? drag_map->values[n] / static_cast<double>(most) : 0;
-    drag.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(part, 0.0, 1.0))));
+    drag.push_back(std::lround(255 * std::clamp(part, 0.0, 1.0)));
   });
   json["drag"] = {{"most_kg_s", most}, {"values", packed(drag)}};
   return json;

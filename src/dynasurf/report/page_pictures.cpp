@@ -75,8 +75,8 @@ int bin_of(const Study& study, std::size_t most_voxels) {
   const auto& dims = study.grid().dims;
   int bin = 1;
   const auto voxels = [&] {
-    const auto columns = static_cast<std::size_t>((dims[0] + bin - 1) / bin);
-    const auto rows = static_cast<std::size_t>((dims[1] + bin - 1) / bin);
+    const std::size_t columns = (dims[0] + bin - 1) / bin;
+    const std::size_t rows = (dims[1] + bin - 1) / bin;
     return columns * rows * dims[2] * study.gates.size();
   };
   // Pixels are joined within slices alone; slices are few and far apart already.
@@ -96,7 +96,7 @@ Bytes mark_bytes(const Grid& grid, const Mask& borders, const Mask& edges, int b
     for (int j = j0; j < j1; ++j)
       // Marks are joined, where values are averaged: a border one pixel wide must not vanish in a bin.
       for (int i = i0; i < i1; ++i) marks |= marks_at(grid.index(i, j, k));
-    bytes.push_back(static_cast<std::uint8_t>(marks));
+    bytes.push_back(marks);
   });
   return bytes;
 }

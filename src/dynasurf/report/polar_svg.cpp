@@ -47,7 +47,7 @@ std::string hex(const Rgb& c) {
   constexpr char digits[] = "0123456789abcdef";
   std::string text = "#";
   for (const double v : {c.r, c.g, c.b}) {
-    const auto byte = static_cast<unsigned>(std::lround(std::clamp(v, 0.0, 255.0)));
+    const unsigned byte = std::lround(std::clamp(v, 0.0, 255.0));
     text += digits[byte >> 4], text += digits[byte & 15u];
   }
   return text;

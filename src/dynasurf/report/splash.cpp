@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/contour.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::report {
@@ -31,7 +32,7 @@ void set_greys(Shown& shown, const Image& image) {
         if (image.grid.contains(i, j, k)) values.push_back(image(i, j, k));
   if (values.empty()) return;
   std::sort(values.begin(), values.end());
-  const auto last = static_cast<double>(values.size() - 1);
+  const double last = values.size() - 1;
   shown.black = values[static_cast<std::size_t>(0.01 * last)];
   shown.white = values[static_cast<std::size_t>(0.99 * last)];
 }
@@ -44,9 +45,7 @@ Shown around(const Image& image, const TriMesh& mesh) {
   const Vec3 room(margin * (high[0] - low[0]), margin * (high[1] - low[1]), 0);
   const Vec3 first = (low - room).cwiseQuotient(image.grid.spacing),
              last = (high + room).cwiseQuotient(image.grid.spacing);
-  const auto pixel = [&](double at, int axis) {
-    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[axis] - 1);
-  };
+  const auto pixel = [&](double at, int axis) { return std::clamp(round_int(at), 0, image.grid.dims[axis] - 1); };
   Shown shown{pixel(first[0], 0), pixel(first[1], 1)};
   shown.width = pixel(last[0], 0) - shown.i + 1;
   shown.height = pixel(last[1], 1) - shown.j + 1;
@@ -74,8 +73,7 @@ struct Cell {
       }
   }
   void dot(const Vec2& at, io::Colour colour) {
-    const int x = static_cast<int>(std::floor((at[0] - shown.i + 0.5) * scale)),
-              y = static_cast<int>(std::floor((at[1] - shown.j + 0.5) * scale));
+    const int x = floor_int((at[0] - shown.i + 0.5) * scale), y = floor_int((at[1] - shown.j + 0.5) * scale);
     if (x >= 0 && y >= 0 && x < shown.width * scale && y < shown.height * scale) picture(left + x, top + y) = colour;
   }
   /// A surface (grid frame) where slice k cuts it.

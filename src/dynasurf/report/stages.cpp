@@ -27,8 +27,7 @@ std::string contour_table(const ventricle::WallContours& contours, const Grid& g
     if (!contours.slices[k]) continue;
     const std::vector<Vec2>& points = contours.slices[k]->points;
     for (std::size_t n = 0; n < points.size(); ++n) {
-      const Vec3 p =
-          to_world(grid, Vec3(points[n][0], points[n][1], static_cast<double>(k)).cwiseProduct(grid.spacing));
+      const Vec3 p = to_world(grid, Vec3(points[n][0], points[n][1], k).cwiseProduct(grid.spacing));
       text += std::to_string(k + 1) + "," + std::to_string(n + 1);
       for (int c = 0; c < 3; ++c) text += "," + nine_digits(p[c]);
       text += "\n";

@@ -72,7 +72,7 @@ void write_splash(const ventricle::Result& result, const fs::path& folder) {
   std::vector<SplashRow> rows;
   for (const int gate : {ed, es}) {
     if (!rows.empty() && es == ed) break;
-    const auto g = static_cast<std::size_t>(gate);
+    const std::size_t g = gate;
     const auto& [endo, epi, base] = result.gates[g].surfaces;
     if (endo || epi) rows.push_back({&result.study.gates[g], endo ? &endo->mesh : nullptr, epi ? &epi->mesh : nullptr});
   }
@@ -98,7 +98,7 @@ void write_surfaces(const ventricle::Result& result, const StudyFolderOptions& o
   const auto& beat = result.readings.psf_corrected;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const ventricle::Gate& gate = result.gates[g];
-    const double time = gate.time_ms ? *gate.time_ms : static_cast<double>(g);
+    const double time = gate.time_ms ? *gate.time_ms : g;
     for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi}) {
       if (const auto& surface = gate.surfaces.of(wall)) {
         std::vector<io::VertexScalar> scalars = scalars_of(result, g, wall, surface->mesh);

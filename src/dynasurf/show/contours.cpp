@@ -24,7 +24,7 @@ Cutout window_of(const Image& image, const Contour& a, const Contour& b) {
   Image around(image.grid);
   for (const Contour* contour : {&a, &b})
     for (const Vec2& p : contour->points) {
-      const int i = static_cast<int>(std::lround(p[0])), j = static_cast<int>(std::lround(p[1]));
+      const int i = std::lround(p[0]), j = std::lround(p[1]);
       if (image.grid.contains(i, j, 0)) around(i, j, 0) = 1;
     }
   return window_around(around, 5);
@@ -85,7 +85,7 @@ void draw_stack(Canvas& canvas, const ContourView& view, const Panel& box) {
       if (!stack[k]) continue;
       std::vector<Vec3> ring;
       for (const Vec2& p : stack[k]->points)
-        ring.push_back(to_world(grid, Vec3(p[0], p[1], static_cast<double>(k)).cwiseProduct(grid.spacing)));
+        ring.push_back(to_world(grid, Vec3(p[0], p[1], k).cwiseProduct(grid.spacing)));
       if (!ring.empty()) ring.push_back(ring.front());
       scene.add_line(ring, colour, 1.4);
     }

@@ -28,8 +28,7 @@ Motion move_in_frames(const ShownWall& wall, const field::VectorField& field, dy
   Motion motion = move_again(wall, field, evolution, {}, progress);
   const int last = motion.result.steps;
   if (steps.empty())
-    for (int n = 0; n < count; ++n)
-      steps.push_back(static_cast<int>(std::lround(last * n * n / ((count - 1.0) * (count - 1.0)))));
+    for (int n = 0; n < count; ++n) steps.push_back(std::lround(last * n * n / ((count - 1.0) * (count - 1.0))));
   for (const int step : steps)
     if (step < 0 || step > last)
       throw OptionError("--steps " + std::to_string(step) + "; the run has " + std::to_string(last));

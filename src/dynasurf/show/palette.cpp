@@ -6,7 +6,7 @@
 namespace dynasurf::show {
 namespace {
 
-std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
+std::uint8_t byte_of(double value) { return std::lround(std::clamp(value, 0.0, 255.0)); }
 
 }  // namespace
 

@@ -47,7 +47,7 @@ double longest_in(const field::VectorField& field, const Cutout& w, int k) {
     for (int i = w.i; i < w.i + w.columns; ++i) {
       const std::size_t n = field.grid.index(i, j, k);
       // The part across the slice does not count: arrows do not show it either.
-      most = std::max(most, static_cast<double>(own::hypot(field.x[n], field.y[n])));
+      most = std::max(most, own::hypot(field.x[n], field.y[n]));
     }
   return std::max(most, 1e-12);
 }

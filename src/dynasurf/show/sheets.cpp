@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/show/detail/palette.hpp"
 #include "dynasurf/show/detail/plane.hpp"
@@ -40,7 +41,7 @@ GreyScale usual_values(const Image& image, const std::vector<int>& slices, const
         if (image.grid.contains(i, j, k)) values.push_back(image(i, j, k));
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  const auto last = static_cast<double>(values.size() - 1);
+  const double last = values.size() - 1;
   return {values[static_cast<std::size_t>(0.01 * last)], values[static_cast<std::size_t>(0.99 * last)]};
 }
 
@@ -187,12 +188,12 @@ int scale_of(const Cutout& window, double points) {
 /// A sheet with a place for every slice.
 Canvas draw_sheet(const Image& image, const Shown& shown, const std::string& title, const Legend& legend,
                   const std::function<void(Canvas&, Tile&, int k)>& draw) {
-  const int count = static_cast<int>(shown.slices.size());
+  const int count = shown.slices.size();
   const int scale = scale_of(shown.window, tile_points);
   const double width = shown.window.columns * scale + shown.extra + gap,
                height = shown.window.rows * scale + strip + gap;
   // A sheet about half as wide again as high.
-  const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(count * 1.5 * height / width))));
+  const int columns = std::max(1, ceil_int(std::sqrt(count * 1.5 * height / width)));
   const int rows = std::max(1, (count + columns - 1) / columns);
   const double all = std::max(640.0, 2 * edge + columns * width - gap);
   const double head = head_height(legend, all);
@@ -219,9 +220,7 @@ Shown around(const Image& image, const TriMesh& mesh) {
   const Vec3 room(margin * (high[0] - low[0]), margin * (high[1] - low[1]), 0);
   const Vec3 first = (low - room).cwiseQuotient(image.grid.spacing),
              last = (high + room).cwiseQuotient(image.grid.spacing);
-  const auto pixel = [&](double at, int axis) {
-    return std::clamp(static_cast<int>(std::lround(at)), 0, image.grid.dims[axis] - 1);
-  };
+  const auto pixel = [&](double at, int axis) { return std::clamp(round_int(at), 0, image.grid.dims[axis] - 1); };
   Shown shown;
   shown.window = {pixel(first[0], 0), pixel(first[1], 1), 0, 0};
   shown.window.columns = pixel(last[0], 0) - shown.window.i + 1;
@@ -342,9 +341,8 @@ Canvas draw_matrix(const std::vector<std::vector<MatrixCell>>& rows, int slice, 
   constexpr double cell_points = 180;
   constexpr int margin_px = 4;
   const ventricle::Circle& about = rows.front().front().borders.coarse;
-  const int half = static_cast<int>(std::ceil(about.radius_px)) + margin_px;
-  const Cutout window{static_cast<int>(std::lround(about.x_px)) - half,
-                      static_cast<int>(std::lround(about.y_px)) - half, 2 * half + 1, 2 * half + 1};
+  const int half = ceil_int(about.radius_px) + margin_px;
+  const Cutout window{round_int(about.x_px) - half, round_int(about.y_px) - half, 2 * half + 1, 2 * half + 1};
   const int scale = scale_of(window, cell_points);
   const double width = window.columns * scale + gap, height = window.rows * scale + strip + gap;
   const Legend& legend = what == MatrixDrawing::edges ? edge_legend : label_legend;

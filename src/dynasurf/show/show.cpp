@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
@@ -150,7 +151,7 @@ class Show {
     const ShownBeat beat = read_beat();
     std::vector<double> time = beat.time_ms;
     const bool timed = !time.empty();
-    for (std::size_t g = 0; !timed && g < beat.volume_ml[0].size(); ++g) time.push_back(static_cast<double>(g + 1));
+    for (std::size_t g = 0; !timed && g < beat.volume_ml[0].size(); ++g) time.push_back(g + 1);
     std::vector<NamedCurve> curves;
     for (const std::size_t w : {1u, 0u}) {
       NamedCurve curve{word_for(walls[w]), beat.volume_ml[w], beat.half_width_ml[w], colour_of(walls[w])};
@@ -366,8 +367,8 @@ class Show {
         for (int i = 0; i < g.dims[0]; ++i)
           if (wall.border(i, j, k) > 0) sum += Vec3(i, j, k), ++count;
     Place at;
-    at.slice_number = r_.slice > 0 ? r_.slice : static_cast<int>(std::lround(sum[2] / count)) - shift[2] + 1;
-    at.row_number = r_.row > 0 ? r_.row : static_cast<int>(std::lround(sum[1] / count)) - shift[1] + 1;
+    at.slice_number = r_.slice > 0 ? r_.slice : round_int(sum[2] / count) - shift[2] + 1;
+    at.row_number = r_.row > 0 ? r_.row : round_int(sum[1] / count) - shift[1] + 1;
     const auto check = [](const char* name, int value, int most) {
       if (value < 1 || value > most)
         throw OptionError(std::string(name) + " " + std::to_string(value) + "; expected 1 to " + std::to_string(most));

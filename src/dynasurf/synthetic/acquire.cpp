@@ -2,6 +2,7 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/synthetic/camera.hpp"
@@ -29,7 +30,7 @@ struct Kernel {
 Kernel kernel_of(const std::vector<double>& shifts) {
   const auto [least, most] = std::minmax_element(shifts.begin(), shifts.end());
   Kernel kernel;
-  kernel.first = static_cast<int>(std::floor(*least));
+  kernel.first = floor_int(*least);
   kernel.weights.assign(static_cast<std::size_t>(std::floor(*most)) - kernel.first + 2, 0.0F);
   for (const double shift : shifts) {
     const double below = std::floor(shift);
@@ -131,8 +132,8 @@ void count(Projections& p, const Acquisition& o, std::uint64_t seed) {
           mean = Random(seed, 2 * g, b).poisson(mean);
           told = Random(seed, 2 * g + 1, b).poisson(side_windows * aside) / side_windows;
         }
-        p.gates[g][b] = static_cast<float>(mean);
-        if (!p.scatter.empty()) p.scatter[g][b] = static_cast<float>(told);
+        p.gates[g][b] = mean;
+        if (!p.scatter.empty()) p.scatter[g][b] = told;
       }
     }
   });
@@ -202,7 +203,7 @@ double sensitivity_cps_per_mbq(const Collimator& c) {
 
 std::vector<double> angles_of(const Acquisition& o) {
   std::vector<double> angles;
-  angles.reserve(static_cast<std::size_t>(o.views));
+  angles.reserve(o.views);
   for (int v = 0; v < o.views; ++v) angles.push_back(o.start_deg + o.arc_deg * v / o.views);
   return angles;
 }

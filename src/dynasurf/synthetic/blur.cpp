@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
@@ -11,8 +12,8 @@ namespace {
 /// Half of the discrete Gaussian exp(-t) I_n(t), n = 0, 1, ..., scaled to sum 1 over both sides. Computed by the
 /// recurrence of the Bessel functions run downwards (Miller), which is stable.
 std::vector<double> discrete_gaussian(double t) {
-  const int reach = static_cast<int>(std::ceil(6 * std::sqrt(t))) + 3;
-  const int top = reach + static_cast<int>(std::ceil(4 * std::sqrt(t))) + 20;
+  const int reach = ceil_int(6 * std::sqrt(t)) + 3;
+  const int top = reach + ceil_int(4 * std::sqrt(t)) + 20;
   std::vector<double> half(reach + 1, 0.0);
   double above = 0, here = 1e-280;  // orders n + 1 and n
   for (int n = top; n >= 0; --n) {

@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
 #include "dynasurf/synthetic/detail/torso.hpp"
@@ -81,8 +82,7 @@ std::vector<double> radii_of(const CameraPhantom& o) {
     radius.push_back(is_circle ? o.acquisition.radius_mm : body + o.acquisition.gap_mm);
     if (radius.back() < body)
       throw OptionError("option acquisition.radius_mm is " + std::to_string(std::lround(o.acquisition.radius_mm)) +
-                        "; expected at least " + std::to_string(static_cast<int>(std::ceil(body))) +
-                        ", where the body is");
+                        "; expected at least " + std::to_string(ceil_int(body)) + ", where the body is");
   }
   return radius;
 }

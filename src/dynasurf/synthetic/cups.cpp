@@ -300,7 +300,7 @@ Phantom make_phantom(const CardiacCycle& options) {
   parallel_for(cups.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
       phantom.truth[g] = truth_of(grid, frame, cups[g]);
-      phantom.truth[g].phase = (g + 0.5) / static_cast<double>(cups.size());
+      phantom.truth[g].phase = (g + 0.5) / cups.size();
       images[g] = render_scene(grid, frame, wall_scene(cups[g], [](const Vec3&) { return 1.0; }),
                                fwhm_before_filter(phantom.fwhm_mm, noise), sub_samples);
     }

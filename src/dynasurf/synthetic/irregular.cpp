@@ -61,13 +61,13 @@ Image see_unevenly(const Irregularity& o, const Image& narrow, double narrow_fwh
     const Index3 dims = image.grid.dims;
     for (int k = 0; k < dims[2]; ++k)
       for (int j = 0; j < dims[1]; ++j) {
-        const auto share = static_cast<float>((j + 0.5) / dims[1]);
+        const float share = (j + 0.5) / dims[1];
         for (int i = 0; i < dims[0]; ++i) image(i, j, k) = (1 - share) * narrow(i, j, k) + share * wide(i, j, k);
       }
   }
   if (o.tails > 0) {
     const Image far = blurred_on(image, fwhm_mm, tail_width * fwhm_mm);
-    const auto share = static_cast<float>(o.tails);
+    const float share = o.tails;
     for (std::size_t v = 0; v < image.values.size(); ++v)
       image.values[v] = (1 - share) * image.values[v] + share * far.values[v];
   }

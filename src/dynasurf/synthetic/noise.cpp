@@ -17,7 +17,7 @@ Image redraw(Image image, std::uint64_t seed, std::uint64_t stream, const Draw& 
   parallel_for(image.values.size(), voxels_per_piece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       Random random(seed, stream, v);
-      image.values[v] = static_cast<float>(draw(random, static_cast<double>(image.values[v])));
+      image.values[v] = draw(random, image.values[v]);
     }
   });
   return image;

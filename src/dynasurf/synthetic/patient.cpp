@@ -258,8 +258,7 @@ Image with_base_first(const Image& image) {
   Image result(grid);
   const std::size_t slice = static_cast<std::size_t>(from.dims[0]) * from.dims[1];
   for (int k = 0; k < from.dims[2]; ++k)
-    std::copy_n(image.values.begin() + static_cast<std::ptrdiff_t>(slice * (from.dims[2] - 1 - k)), slice,
-                result.values.begin() + static_cast<std::ptrdiff_t>(slice * k));
+    std::copy_n(image.values.begin() + slice * (from.dims[2] - 1 - k), slice, result.values.begin() + slice * k);
   return result;
 }
 
@@ -299,7 +298,7 @@ std::vector<Image> see_beat(const VirtualPatient& o, const VentricleMotion& moti
       images[g] = see_unevenly(o.irregular, seen, narrow, fwhm);
       for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
         const double sum = images[g].values[v] + static_cast<double>(at_rest.values[v]);
-        images[g].values[v] = static_cast<float>(std::max(0.0, sum + o.background));
+        images[g].values[v] = std::max(0.0, sum + o.background);
       }
     }
   });

@@ -20,8 +20,7 @@ void filter_planes(const PlaneFilter& f, std::span<float> first, std::span<float
   const std::size_t n = f.n, size = f.size;
   std::vector<std::vector<Complex>> rows(n, std::vector<Complex>(size));
   for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t z = 0; z < n; ++z)
-      rows[a][z] = {static_cast<double>(first[a * n + z]), static_cast<double>(second[a * n + z])};
+    for (std::size_t z = 0; z < n; ++z) rows[a][z] = {first[a * n + z], second[a * n + z]};
     transform(f.table, rows[a], -1);
   }
   std::vector<Complex> line(size);
@@ -37,8 +36,8 @@ void filter_planes(const PlaneFilter& f, std::span<float> first, std::span<float
   for (std::size_t a = 0; a < n; ++a) {
     transform(f.table, rows[a], 1);
     for (std::size_t z = 0; z < n; ++z) {
-      first[a * n + z] = static_cast<float>(rows[a][z].re * scale);
-      second[a * n + z] = static_cast<float>(rows[a][z].im * scale);
+      first[a * n + z] = rows[a][z].re * scale;
+      second[a * n + z] = rows[a][z].im * scale;
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
 namespace dynasurf::synthetic {
@@ -22,14 +23,14 @@ struct Taps {
 Taps taps_at(const ViewModel& view, int a, int b) {
   const double middle = (view.n - 1) / 2.0, s = a - middle, t = middle - b;
   const double x = middle + s * view.cos + t * view.sin, y = middle + s * view.sin - t * view.cos;
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  const int x0 = floor_int(x), y0 = floor_int(y);
   const double fx = x - x0, fy = y - y0;
   Taps taps;
   for (int c = 0; c < 4; ++c) {
     const int cx = x0 + c % 2, cy = y0 + c / 2;
     if (cx < 0 || cy < 0 || cx >= view.n || cy >= view.n) continue;
     taps.column[c] = cy * view.n + cx;
-    taps.weight[c] = static_cast<float>((c % 2 ? fx : 1 - fx) * (c / 2 ? fy : 1 - fy));
+    taps.weight[c] = (c % 2 ? fx : 1 - fx) * (c / 2 ? fy : 1 - fy);
   }
   return taps;
 }
@@ -95,10 +96,10 @@ void blur_along(const float* from, float* to, int n, float w) {
 /// Kernels of three bins that are used again and again keep the variance exact and become Gaussian.
 void blur_square(float* square, float* spare, int n, double across, double along) {
   constexpr double most_at_once = 0.5;
-  const int passes = static_cast<int>(std::ceil(std::max(across, along) / most_at_once));
+  const int passes = ceil_int(std::max(across, along) / most_at_once);
   for (int p = 0; p < passes; ++p) {
-    blur_across(square, spare, n, static_cast<float>(across / (2 * passes)));
-    blur_along(spare, square, n, static_cast<float>(along / (2 * passes)));
+    blur_across(square, spare, n, across / (2 * passes));
+    blur_along(spare, square, n, along / (2 * passes));
   }
 }
 
@@ -118,7 +119,7 @@ void spread_line(float* line, int count, std::size_t stride, int width, float q)
 }
 
 void spread_scatter(std::vector<float>& square, int n, double share) {
-  const auto q = static_cast<float>(share);
+  const float q = share;
   spread_line(square.data(), n, n, n, q);
   for (int a = 0; a < n; ++a) spread_line(square.data() + at(a, n), n, 1, 1, q);
 }
@@ -138,7 +139,7 @@ void attenuate(ViewModel& view, const ViewSettings& s) {
   view.transmission.resize(plane * n);
   if (s.scatter > 0) view.buildup.resize(view.transmission.size());
   std::vector<float> left(plane, 1.0F), path(plane, 0.0F), here(plane);
-  const auto step = static_cast<float>(s.voxel_mm), scatter = static_cast<float>(s.scatter);
+  const float step = s.voxel_mm, scatter = s.scatter;
   for (int b = 0; b < n; ++b) {
     rotate_plane(view, *s.attenuation, b, here.data());
     float* through = view.transmission.data() + plane * b;

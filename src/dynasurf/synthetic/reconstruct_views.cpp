@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/synthetic/camera.hpp"
@@ -43,7 +44,7 @@ void spread(const std::vector<float>& bins, double angle_deg, float scale, Colum
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
       const double a = middle + (x - middle) * c + (y - middle) * s;
-      const int below = static_cast<int>(std::floor(a));
+      const int below = floor_int(a);
       if (below < 0 || below + 1 >= n) continue;
       const auto up = static_cast<float>(a - below) * scale, down = scale - up;
       const float* low = &bins[static_cast<std::size_t>(below) * n];
@@ -60,7 +61,7 @@ std::vector<float> view_of(const Projections& p, const std::vector<float>& gate,
 /// views count alike.
 std::vector<Image> run(const Projections& p, const Image*, const Fbp& o) {
   const PlaneFilter filter = filter_of(o, p.size, p.bin_mm);
-  const auto scale = static_cast<float>(M_PI / p.views());
+  const float scale = M_PI / p.views();
   std::vector<Image> images(p.gates.size());
   parallel_for(images.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t g = begin; g < end; ++g) {
@@ -89,7 +90,7 @@ Columns seen_disc(int n, float value) {
       if (dx * dx + dy * dy > 0.25 * (n - 1) * (n - 1)) continue;
       const std::size_t column = static_cast<std::size_t>(y) * n + x;
       disc.is_empty[column] = 0;
-      std::fill_n(disc.values.begin() + static_cast<std::ptrdiff_t>(column * n), n, value);
+      std::fill_n(disc.values.begin() + column * n, n, value);
     }
   return disc;
 }
@@ -171,15 +172,14 @@ Image cut_out(const Image& image, const Grid& grid) {
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i) {
           const Vec3 p = to_grid(from, to_world(grid, centre_of(grid, {i, j, k}))).cwiseQuotient(from.spacing);
-          const int x = static_cast<int>(std::floor(p[0])), y = static_cast<int>(std::floor(p[1])),
-                    z = static_cast<int>(std::floor(p[2]));
+          const int x = floor_int(p[0]), y = floor_int(p[1]), z = floor_int(p[2]);
           double sum = 0;
           for (int c = 0; c < 8; ++c) {
             const double fx = p[0] - x, fy = p[1] - y, fz = p[2] - z;
             sum += (c & 1 ? fx : 1 - fx) * (c & 2 ? fy : 1 - fy) * (c & 4 ? fz : 1 - fz) *
                    value(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2));
           }
-          result(i, j, k) = static_cast<float>(sum);
+          result(i, j, k) = sum;
         }
   });
   return result;

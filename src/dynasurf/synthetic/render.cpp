@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::synthetic {
@@ -23,7 +24,7 @@ struct Axis {
 
 int per_voxel(double spacing, double sigma, int asked) {
   // A Gaussian sampled at steps up to its sigma sums to 1 within 1e-8, which is what makes its width exact.
-  return sigma > 0 ? std::max(asked, static_cast<int>(std::ceil(spacing / sigma))) : asked;
+  return sigma > 0 ? std::max(asked, ceil_int(spacing / sigma)) : asked;
 }
 
 /// A sample stands for its whole sub-cell, which spreads it already; the Gaussian does the rest.
@@ -49,8 +50,8 @@ Axis make_axis(int voxels, double spacing, double low, double high, double sigma
   axis.step = spacing / n;
   const double cells_low = (low + spacing / 2) / axis.step, cells_high = (high + spacing / 2) / axis.step;
   const double margin = reach_sigmas * sigma / axis.step + 1;
-  axis.first = static_cast<int>(std::floor(std::max(cells_low, -margin)));
-  const int end = static_cast<int>(std::ceil(std::min(cells_high, voxels * n + margin)));
+  axis.first = floor_int(std::max(cells_low, -margin));
+  const int end = ceil_int(std::min(cells_high, voxels * n + margin));
   axis.count = std::max(0, end - axis.first);
   axis.start = (axis.first + 0.5) * axis.step - spacing / 2;
   axis.from.resize(voxels);
@@ -59,8 +60,8 @@ Axis make_axis(int voxels, double spacing, double low, double high, double sigma
   for (int i = 0; i < voxels; ++i) {
     const double centre = i * spacing;
     const double reach = sigma > 0 ? reach_sigmas * sigma : spacing / 2;
-    const int from = static_cast<int>(std::ceil((centre - reach - axis.start) / axis.step - 1e-9));
-    const int to = static_cast<int>(std::floor((centre + reach - axis.start) / axis.step + 1e-9)) + 1;
+    const int from = ceil_int((centre - reach - axis.start) / axis.step - 1e-9);
+    const int to = floor_int((centre + reach - axis.start) / axis.step + 1e-9) + 1;
     axis.from[i] = std::clamp(from, 0, axis.count);
     axis.to[i] = std::clamp(to, axis.from[i], axis.count);
     for (int f = axis.from[i]; f < axis.to[i]; ++f) {
@@ -105,7 +106,7 @@ std::vector<double> gather_plane(const Axis& x, const Axis& y, const Axis& z, in
 
 Index3 sub_samples_for(const Grid& grid, double step_mm, int least) {
   Index3 n;
-  for (int a = 0; a < 3; ++a) n[a] = std::max(least, static_cast<int>(std::ceil(grid.spacing[a] / step_mm - 1e-9)));
+  for (int a = 0; a < 3; ++a) n[a] = std::max(least, ceil_int(grid.spacing[a] / step_mm - 1e-9));
   return n;
 }
 
@@ -118,7 +119,7 @@ Image render(const Grid& grid, const Density& density, const Box& support, doubl
 
   std::vector<std::vector<double>> planes(z.count);
   parallel_for(planes.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t h = begin; h < end; ++h) planes[h] = gather_plane(x, y, z, static_cast<int>(h), density);
+    for (std::size_t h = begin; h < end; ++h) planes[h] = gather_plane(x, y, z, h, density);
   });
 
   Image image(grid);
@@ -131,7 +132,7 @@ Image render(const Grid& grid, const Density& density, const Box& support, doubl
         const double w = z.weights[k][h - z.from[k]];
         for (std::size_t v = 0; v < slice; ++v) sum[v] += w * planes[h][v];
       }
-      for (std::size_t v = 0; v < slice; ++v) image.values[k * slice + v] = static_cast<float>(sum[v]);
+      for (std::size_t v = 0; v < slice; ++v) image.values[k * slice + v] = sum[v];
     }
   });
   return image;

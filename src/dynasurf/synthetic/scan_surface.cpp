@@ -33,7 +33,7 @@ void tear_hole(PointCloud& cloud, double share, Random random) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return (cloud.points[a] - middle).squaredNorm() < (cloud.points[b] - middle).squaredNorm();
   });
-  order.erase(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(gone));
+  order.erase(order.begin(), order.begin() + gone);
   std::sort(order.begin(), order.end());
   for (std::size_t i = 0; i < order.size(); ++i) {
     cloud.points[i] = cloud.points[order[i]];
@@ -61,9 +61,9 @@ PointCloud scan_surface(const TriMesh& surface, const CloudPhantom& options) {
   PointCloud cloud;
   cloud.points.reserve(o.points);
   for (int n = 0; n < o.points; ++n) {
-    Random where(o.seed, places, static_cast<std::uint64_t>(n)), off(o.seed, noise, static_cast<std::uint64_t>(n));
+    Random where(o.seed, places, n), off(o.seed, noise, n);
     const double at = where.uniform() * sums.back();
-    const auto t = static_cast<std::size_t>(std::lower_bound(sums.begin(), sums.end(), at) - sums.begin());
+    const std::size_t t = std::lower_bound(sums.begin(), sums.end(), at) - sums.begin();
     const Vec3& a = surface.vertices[surface.triangles[t][0]];
     const Vec3 ab = surface.vertices[surface.triangles[t][1]] - a, ac = surface.vertices[surface.triangles[t][2]] - a;
     double u = where.uniform(), v = where.uniform();

@@ -15,8 +15,8 @@ constexpr int segments = 96, steps = 108;
 TriMesh revolve(const std::vector<ProfilePoint>& profile, int segment_count) {
   DYNASURF_ASSERT(profile.size() >= 3 && segment_count >= 3);
   const double step = 2 * M_PI / segment_count, widen = std::sqrt(step / own::sin(step));
-  const auto n = static_cast<std::uint32_t>(segment_count);
-  const auto rings = static_cast<std::uint32_t>(profile.size() - 2);
+  const std::uint32_t n = segment_count;
+  const std::uint32_t rings = profile.size() - 2;
   TriMesh mesh;
   mesh.vertices.push_back({0, 0, profile.front()[1]});
   for (std::uint32_t r = 0; r < rings; ++r)

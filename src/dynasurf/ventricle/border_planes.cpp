@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
 
 /// Bilinear value in slice k, replicated outside.
 double value_at(const Image& image, double x, double y, int k) {
-  const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+  const int i = floor_int(x), j = floor_int(y);
   const double a = x - i, b = y - j;
   return (1 - a) * (1 - b) * image.clamped(i, j, k) + a * (1 - b) * image.clamped(i + 1, j, k) +
          (1 - a) * b * image.clamped(i, j + 1, k) + a * b * image.clamped(i + 1, j + 1, k);

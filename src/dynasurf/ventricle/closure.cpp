@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 
 namespace dynasurf::ventricle {
@@ -23,9 +24,8 @@ double wall_brightness(const Image& image, const Circle& circle, int k) {
     // The brightest on each ray is the wall, wherever it lies; the circle is only known to enclose it.
     float brightest = 0;
     for (double r = 0; r <= circle.radius_px; r += 0.5)
-      brightest =
-          std::max(brightest, image.clamped(static_cast<int>(std::lround(circle.x_px + r * own::cos(angle))),
-                                            static_cast<int>(std::lround(circle.y_px + r * own::sin(angle))), k));
+      brightest = std::max(brightest, image.clamped(std::lround(circle.x_px + r * own::cos(angle)),
+                                                    std::lround(circle.y_px + r * own::sin(angle)), k));
     sum += brightest;
   }
   return sum / directions;
@@ -73,8 +73,7 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
     RadiusOf here;
     for (const Pixel& p : ring) {
       const double angle = own::atan2(p.j - y, p.i - x);
-      auto& r =
-          here[static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions)];
+      auto& r = here[round_int((angle / turn + 1) * directions) % directions];
       // Where a direction holds several pixels the outermost counts: the disc reaches to the outside of the ring.
       r = std::max(r.value_or(0), own::hypot(p.i - x, p.j - y));
     }
@@ -85,8 +84,7 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
   for (int j = 0; j < border.grid.dims[1]; ++j)
     for (int i = 0; i < border.grid.dims[0]; ++i) {
       const double angle = own::atan2(j - y, i - x);
-      const auto d =
-          static_cast<std::size_t>(static_cast<int>(std::lround((angle / turn + 1) * directions)) % directions);
+      const auto d = static_cast<std::size_t>(round_int((angle / turn + 1) * directions) % directions);
       // Rounding must not leave the ring itself out.
       if (own::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
     }

@@ -44,7 +44,7 @@ Image border_strength(const Search& s, int k) {
       if (bound && !encloses(*bound, Vec2(i, j))) continue;
       const std::size_t at = plane.grid.index(i, j, 0);
       const Vec2 falling(static_cast<double>(slope.x[at]), static_cast<double>(slope.y[at]));
-      strength.values[at] = static_cast<float>(std::max(0.0, falling.dot(ray) / distance));
+      strength.values[at] = std::max(0.0, falling.dot(ray) / distance);
       highest = std::max(highest, strength.values[at]);
     }
   if (highest > 0)
@@ -180,7 +180,7 @@ std::pair<int, int> range_of(const Labels& labels, Border wall, int base_slice) 
   const std::size_t plane = g.dims[0] * static_cast<std::size_t>(g.dims[1]);
   const auto found = std::find_if(labels.borders.values.begin(), labels.borders.values.end(),
                                   [bit](std::uint8_t v) { return (v & bit) != 0; });
-  int first = static_cast<int>((found - labels.borders.values.begin()) / plane);
+  int first = (found - labels.borders.values.begin()) / plane;
   if (wall == Border::endo && labels.division_slice >= 0) first = std::max(first, labels.division_slice + 1);
   return {first, std::min(base_slice, g.dims[2] - 1)};
 }

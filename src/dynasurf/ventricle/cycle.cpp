@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/format.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -64,8 +65,8 @@ RingLook look_around(const Image& image, const Mask& edges, const Circle& circle
     double outermost = 0;
     float brightest = 0;
     for (double r = 1; r <= circle.radius_px; r += 0.5) {
-      const int i = static_cast<int>(std::lround(circle.x_px + r * own::cos(angle)));
-      const int j = static_cast<int>(std::lround(circle.y_px + r * own::sin(angle)));
+      const int i = std::lround(circle.x_px + r * own::cos(angle));
+      const int j = std::lround(circle.y_px + r * own::sin(angle));
       if (!image.grid.contains(i, j, k)) break;
       brightest = std::max(brightest, image(i, j, k));
       if (edges(i, j, k) != 0) outermost = r;
@@ -100,7 +101,7 @@ std::vector<double> slice_scores(const Image& image, const Mask& edges, const Co
 
 std::optional<SliceRange> longest_run(std::span<const double> scores, double least) {
   std::optional<SliceRange> longest;
-  const int count = static_cast<int>(scores.size());
+  const int count = scores.size();
   for (int k = 0; k < count; ++k) {
     const int first = k;
     while (k < count && scores[k] >= least) ++k;
@@ -230,9 +231,7 @@ std::vector<std::optional<heart::BasePlane>> valve_planes(const Study& study,
 SliceRange useful_slices(const Study& study, const std::optional<heart::Location>& heart,
                          const std::vector<std::optional<heart::BasePlane>>& planes, const UserOverrides& manual) {
   const Grid& grid = study.grid();
-  const auto slice_at = [&](double z_mm) {
-    return std::clamp(static_cast<int>(std::lround(z_mm / grid.spacing[2])), 0, grid.dims[2] - 1);
-  };
+  const auto slice_at = [&](double z_mm) { return std::clamp(round_int(z_mm / grid.spacing[2]), 0, grid.dims[2] - 1); };
   SliceRange range{0, grid.dims[2] - 1};
   if (heart) {
     const heart::LvShell cup = to_grid(grid, heart->cup);
@@ -249,8 +248,8 @@ SliceRange useful_slices(const Study& study, const std::optional<heart::Location
 void clear_outside(Mask& edges, const SliceRange& range) {
   for (int k = 0; k < edges.grid.dims[2]; ++k) {
     if (k >= range.first && k <= range.last) continue;
-    const auto begin = edges.values.begin() + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, k));
-    std::fill(begin, begin + static_cast<std::ptrdiff_t>(edges.grid.index(0, 0, 1)), std::uint8_t{0});
+    const auto begin = edges.values.begin() + edges.grid.index(0, 0, k);
+    std::fill(begin, begin + edges.grid.index(0, 0, 1), std::uint8_t{0});
   }
 }
 

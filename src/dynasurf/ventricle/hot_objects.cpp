@@ -34,7 +34,7 @@ std::optional<Study> cut_hot_objects(const Study& study, const heart::Location& 
     peak = std::max(peak, *std::max_element(gate.values.begin(), gate.values.end()));
   if (!(wall > 0) || peak <= brightest_wall * wall) return std::nullopt;
   Study cut = study;
-  const auto most = static_cast<float>(cut_at * wall);
+  const float most = cut_at * wall;
   for (Image& gate : cut.gates)
     for (float& value : gate.values) value = std::min(value, most);
   std::array<char, 160> text{};

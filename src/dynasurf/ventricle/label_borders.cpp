@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/ventricle/labels/detail/blood_pool.hpp"
 #include "dynasurf/ventricle/labels/detail/bounding_boxes.hpp"
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
@@ -66,8 +67,7 @@ std::vector<bool> slices_with(const SliceEdges& edges) {
 void remove_endo_up_to(Mask& borders, int slice) {
   for (int k = 0; k <= slice; ++k)
     for (int j = 0; j < borders.grid.dims[1]; ++j)
-      for (int i = 0; i < borders.grid.dims[0]; ++i)
-        borders(i, j, k) = static_cast<std::uint8_t>(borders(i, j, k) & ~Labels::endo_bit);
+      for (int i = 0; i < borders.grid.dims[0]; ++i) borders(i, j, k) = borders(i, j, k) & ~Labels::endo_bit;
 }
 
 /// The longest run of slices for which something holds, as first and one past the last.
@@ -109,7 +109,7 @@ int division_under(int seen, const LabelScene& scene, const std::vector<double>&
   const auto tip = find_wall_tip(profile, seen + 1, slice_mm, floor);
   const std::optional<double> expected = scene.expected_slice;
   if (expected && !(tip && std::abs(tip->slice - *expected) * slice_mm <= most_off_mm)) {
-    const int slice = static_cast<int>(std::floor(*expected));
+    const int slice = floor_int(*expected);
     notes.push_back({Severity::info, "slice_find.by_shape",
                      "The wall of the apex is not seen where the rest of the heart has it (a defect, or something hot "
                      "nearby); slice " +
@@ -121,7 +121,7 @@ int division_under(int seen, const LabelScene& scene, const std::vector<double>&
     notes.insert(notes.end(), guess.begin(), guess.end());
     return seen;
   }
-  const int slice = static_cast<int>(std::floor(tip->slice));
+  const int slice = floor_int(tip->slice);
   if (tip->brightness < floor)
     notes.push_back({Severity::warning, "slice_find.dim_tip",
                      "The wall under the cavity, in slice " + std::to_string(slice + 1) +

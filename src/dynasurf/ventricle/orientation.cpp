@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/format.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/image/intensity.hpp"
 
@@ -83,7 +84,7 @@ std::vector<psf_fit::WallPoint> wall_points(const UserOverrides& manual, const S
     if (numbers.size() % 4 != 0)
       throw OptionError(format("option manual.%s holds %d numbers; expected four for each point: gate,x,y,z", name,
                                static_cast<int>(numbers.size())));
-    const int gates = static_cast<int>(study.gates.size());
+    const int gates = study.gates.size();
     for (std::size_t n = 0; n < numbers.size(); n += 4) {
       const double gate = numbers[n];
       if (!(gate >= 1 && gate <= gates) || gate != std::floor(gate))
@@ -122,8 +123,8 @@ Grid short_axis_grid(const heart::LvShell& heart, double voxel_mm) {
   grid.spacing.setConstant(voxel_mm);
   const double across = 2 * (heart.radius_mm + room_across_mm);
   const double along = heart.half_length_mm + heart.base_mm + 2 * room_along_mm;
-  const int side = static_cast<int>(std::ceil(across / voxel_mm)) + 1;
-  grid.dims = {side, side, static_cast<int>(std::ceil(along / voxel_mm)) + 1};
+  const int side = ceil_int(across / voxel_mm) + 1;
+  grid.dims = {side, side, ceil_int(along / voxel_mm) + 1};
   // From the first voxel centre to the last: the middle of the grid is the middle of the heart.
   const Vec3 extent = (Vec3(grid.dims[0], grid.dims[1], grid.dims[2]) - Vec3::Ones()) * voxel_mm;
   grid.origin = heart.middle() - grid.direction * (extent / 2);
@@ -146,16 +147,15 @@ Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double 
   Vec3 corner = Vec3::Zero();  // grid frame of the old stack
   // Rounding makes no pixel too wide, and columns and rows are divided alike: edges want pixels that are square.
   constexpr double rounding = 1e-6;
-  const int parts = static_cast<int>(std::ceil(std::max(old.spacing[0], old.spacing[1]) / widest_mm - rounding));
+  const int parts = ceil_int(std::max(old.spacing[0], old.spacing[1]) / widest_mm - rounding);
   if (parts <= 1) return study;
   for (const std::size_t a : {std::size_t{0}, std::size_t{1}}) {
-    const auto axis = static_cast<Eigen::Index>(a);
+    const Eigen::Index axis = a;
     const double wide = old.spacing[axis];
     // Room for the heart wherever its axis runs through the stack.
     const double reach = heart.radius_mm + room_across_mm + std::abs(cup.axis[axis]) * heart.half_length_mm;
-    const int first = std::clamp(static_cast<int>(std::floor((cup.middle()[axis] - reach) / wide)), 0, old.dims[a] - 1);
-    const int last =
-        std::clamp(static_cast<int>(std::ceil((cup.middle()[axis] + reach) / wide)), first, old.dims[a] - 1);
+    const int first = std::clamp(floor_int((cup.middle()[axis] - reach) / wide), 0, old.dims[a] - 1);
+    const int last = std::clamp(ceil_int((cup.middle()[axis] + reach) / wide), first, old.dims[a] - 1);
     grid.spacing[axis] = wide / parts;
     grid.dims[a] = parts * (last - first + 1);
     corner[axis] = first * wide - (wide - grid.spacing[axis]) / 2;

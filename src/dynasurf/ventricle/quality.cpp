@@ -272,8 +272,8 @@ void flag_missing_slices(const Result& result, std::vector<QualityFlag>& flags) 
   if (result.gates.empty()) return;
   for (const Border wall : {Border::endo, Border::epi}) {
     const std::string code = "labels." + std::string(name_of(wall)) + "_missing";
-    const auto missing = static_cast<double>(
-        std::count_if(result.notes.begin(), result.notes.end(), [&](const Note& n) { return n.code == code; }));
+    const double missing =
+        std::count_if(result.notes.begin(), result.notes.end(), [&](const Note& n) { return n.code == code; });
     const double per_gate = missing / result.gates.size();
     if (per_gate > most_missing_slices)
       flags.push_back({"border_missing", Severity::warning,

@@ -89,13 +89,13 @@ double unroundness(const TriMesh& mesh, const heart::LvShell& cup, double top_mm
     middle += points.back();
   }
   if (points.size() < 20) return 0;
-  middle /= static_cast<double>(points.size());
+  middle /= points.size();
   double sum = 0, squares = 0;
   for (const Eigen::Vector2d& p : points) {
     const double r = (p - middle).norm();
     sum += r, squares += r * r;
   }
-  const auto n = static_cast<double>(points.size());
+  const double n = points.size();
   return sum > 0 ? std::sqrt(std::max(0.0, squares / n - sum * sum / (n * n))) / (sum / n) : 0;
 }
 
@@ -196,7 +196,7 @@ void look_at_curves(const Result& result, QualityMetrics& clues) {
   if (edge.ef_percent && result.readings.gaussian_profile)
     if (const auto other = reading_of(*result.readings.gaussian_profile); other.ef_percent)
       clues.readings_apart = std::abs(other.ef_percent->value - edge.ef_percent->value);
-  if (edge.ed_gate && edge.es_gate && gates > 1) clues.end_systole = (*edge.es_gate + 0.5) / static_cast<double>(gates);
+  if (edge.ed_gate && edge.es_gate && gates > 1) clues.end_systole = (*edge.es_gate + 0.5) / gates;
 }
 
 void look_at_base(const Result& result, QualityMetrics& clues) {

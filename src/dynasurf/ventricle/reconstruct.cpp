@@ -128,7 +128,7 @@ void put_covers(const Image& border, const Image& closed, Image& edge_map) {
         if (border(i, j, k) > 0) sum += edge_map.values[voxel], count += 1;
         if (closed(i, j, k) > 0 && !(border(i, j, k) > 0)) covers.push_back(voxel);
       }
-  const float strength = static_cast<float>(count > 0 ? sum / count : 0);
+  const float strength = count > 0 ? sum / count : 0;
   for (const std::size_t voxel : covers) edge_map.values[voxel] = std::max(edge_map.values[voxel], strength);
 }
 
@@ -263,7 +263,7 @@ void note_own_stages(const OwnStages& own, Notes& notes) {
 
 /// The study with the means of their neighbours in the place of the gates that a person excludes.
 Study without_gates(Study study, const std::vector<int>& gates) {
-  const int count = static_cast<int>(study.gates.size());
+  const int count = study.gates.size();
   std::vector<bool> excluded(study.gates.size());
   for (const int gate : gates) {
     if (gate < 1 || gate > count)
@@ -325,7 +325,7 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   if (own.mask != nullptr) region = region_on(*own.mask, run.study.grid());
 
   const auto is_left_out = [&](std::size_t g) { return own.only_gate && static_cast<int>(g) != *own.only_gate; };
-  StageCounter borders_found(progress, "borders", static_cast<int>(run.gates.size()));
+  StageCounter borders_found(progress, "borders", run.gates.size());
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
     if (is_left_out(g)) return;
     progress.check();
@@ -349,7 +349,7 @@ void finish_gates(std::vector<GateRun>& runs, Result& result) {
   result.notes = result.study.notes;
   for (std::size_t n = 0; n < runs.size(); ++n) {
     GateRun& run = runs[n];
-    const int g = static_cast<int>(n);
+    const int g = n;
     for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
                                &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
       add_notes(result.notes, *notes, g);
@@ -374,14 +374,13 @@ BorderResult find_borders(const Study& study, const Options& options, const Prog
   result.heart = std::move(run.context.heart);
   result.coarse = *run.context.labels.roi;
   if (own.only_gate) {
-    GateRun& gate = run.gates.at(static_cast<std::size_t>(*own.only_gate));
+    GateRun& gate = run.gates.at(*own.only_gate);
     parallel_for(walls.size(), 1,
                  [&](std::size_t w, std::size_t) { make_field(gate.wall(walls[w]), options, progress, clock); });
   }
   for (std::size_t g = 0; g < run.gates.size(); ++g) {
     GateRun& gate = run.gates[g];
-    for (const Notes* notes : {&gate.edges.notes, &gate.labels.notes, &gate.notes})
-      add_notes(result.notes, *notes, static_cast<int>(g));
+    for (const Notes* notes : {&gate.edges.notes, &gate.labels.notes, &gate.notes}) add_notes(result.notes, *notes, g);
     result.gates.push_back(
         {std::move(gate.edges), std::move(gate.labels), gate.base_slice, field_of(gate.endo), field_of(gate.epi)});
   }

@@ -52,7 +52,7 @@ void continue_outwards(Image& image, const Mask& region, const std::vector<std::
           for (int i = std::max(0, v[0] - 1); i <= std::min(g.dims[0] - 1, v[0] + 1); ++i)
             if (has(i, j, k)) sum += image(i, j, k), ++count;
       // The count is never 0: a voxel of a layer touches the layer before.
-      values.push_back(static_cast<float>(sum / count));
+      values.push_back(sum / count);
     }
     // Set after all were computed: within a layer no voxel depends on another.
     for (std::size_t n = 0; n < layer.size(); ++n) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/detail/vertex_normals.hpp"
@@ -30,7 +31,7 @@ struct Profiles {
 };
 
 Profiles profiles_of(const TriMesh& mesh, const std::vector<Vec3>& normals, const Image& image, double reach_voxels) {
-  const int reach = static_cast<int>(std::ceil(reach_voxels * samples_per_voxel)) + 1;
+  const int reach = ceil_int(reach_voxels * samples_per_voxel) + 1;
   Profiles p;
   p.width = 2 * reach + 1;
   p.step_mm = image.grid.spacing.minCoeff() / samples_per_voxel;

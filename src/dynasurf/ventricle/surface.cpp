@@ -29,7 +29,7 @@ mesh::MoveReport sum_of(const mesh::MoveReport& a, const mesh::MoveReport& b) {
 }
 
 void measure_distances(const TriMesh& mesh, const Image& border, Surface& s) {
-  const auto count = static_cast<double>(mesh.vertices.size());
+  const double count = mesh.vertices.size();
   const std::vector<double> voxels = mesh::distances_to_border_voxels(mesh, border);
   s.within_one_voxel = std::count_if(voxels.begin(), voxels.end(), [](double d) { return d < 1; }) / count;
   s.border_reached = mesh::share_of_border_reached(mesh, border);

@@ -29,8 +29,8 @@ bool merge_short_edges(Contour& c, std::vector<Vec2>& carried, double limit) {
     const Vec2 place = keep_first ? c.points[e] : keep_last ? c.points[next] : Vec2((c.points[e] + c.points[next]) / 2);
     if (!carried.empty()) carried[e] = (carried[e] + carried[next]) / 2;
     c.points[e] = place;
-    c.points.erase(c.points.begin() + static_cast<std::ptrdiff_t>(next));
-    if (!carried.empty()) carried.erase(carried.begin() + static_cast<std::ptrdiff_t>(next));
+    c.points.erase(c.points.begin() + next);
+    if (!carried.empty()) carried.erase(carried.begin() + next);
     changed = true;
     ++e;                   // a merged point rests for this round: else a run of short edges would shrink to its end
     if (next == 0) break;  // the last edge is gone, and the first point with it

@@ -50,7 +50,7 @@ Image distance_to_strong(const Image& gradient) {
     for (int i = 0; i < n[0]; ++i) {
       double least = std::numeric_limits<double>::max();
       for (const Vec2& p : strong) least = std::min(least, (p - Vec2(i, j)).squaredNorm());
-      out(i, j, 0) = static_cast<float>(std::sqrt(least));
+      out(i, j, 0) = std::sqrt(least);
     }
   return out;
 }
@@ -142,7 +142,7 @@ class Lattice {
     for (int r = 0; r < rows_; ++r)
       for (int c = 0; c < columns_; ++c)
         if (const int around = quads_around(r, c); around > 0) {
-          number[index(r, c)] = static_cast<std::uint32_t>(net.nodes.size());
+          number[index(r, c)] = net.nodes.size();
           net.nodes.push_back(node(r, c));
           net.external.push_back(around < 4);
         }
@@ -245,7 +245,7 @@ std::vector<int> parts_of(const Net& net, int& count) {
   std::vector<int> part;
   for (std::uint32_t v = 0; v < parent.size(); ++v)
     part.push_back(number.emplace(root(v), static_cast<int>(number.size())).first->second);
-  count = static_cast<int>(number.size());
+  count = number.size();
   return part;
 }
 
@@ -266,7 +266,7 @@ Net only_part(const Net& net, const std::vector<int>& part, int wanted) {
   std::vector<std::uint32_t> number(net.nodes.size());
   for (std::size_t v = 0; v < net.nodes.size(); ++v)
     if (part[v] == wanted) {
-      number[v] = static_cast<std::uint32_t>(out.nodes.size());
+      number[v] = out.nodes.size();
       out.nodes.push_back(net.nodes[v]);
       out.external.push_back(net.external[v]);
     }
@@ -281,7 +281,7 @@ std::optional<Net> largest_part(const Net& net) {
   if (count == 0) return std::nullopt;
   std::vector<int> size(count, 0);
   for (const int p : part) ++size[p];
-  return only_part(net, part, static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin()));
+  return only_part(net, part, std::max_element(size.begin(), size.end()) - size.begin());
 }
 
 Box box_around(const Net& net, const std::vector<int>& part, int wanted, double margin, const Grid& grid) {

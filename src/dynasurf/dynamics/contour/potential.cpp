@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/contours.hpp"
 #include "dynasurf/field/detail/gradient.hpp"
@@ -20,7 +21,7 @@ template <class F>
 Image each_pixel(const Grid& grid, F value) {
   Image out(grid);
   for (int j = 0; j < grid.dims[1]; ++j)
-    for (int i = 0; i < grid.dims[0]; ++i) out(i, j, 0) = static_cast<float>(value(i, j));
+    for (int i = 0; i < grid.dims[0]; ++i) out(i, j, 0) = value(i, j);
   return out;
 }
 
@@ -58,7 +59,7 @@ Image smoothed_plane(const Image& plane, double sigma_px) {
   if (sigma_px == 0) return plane;
   const std::vector<double> half =
       // Beyond four standard deviations a Gaussian is 0.0003 of its peak.
-      image::half_gaussian(sigma_px, std::max(1, static_cast<int>(std::ceil(4 * sigma_px))));
+      image::half_gaussian(sigma_px, std::max(1, ceil_int(4 * sigma_px)));
   return image::convolve_along(image::convolve_along(plane, half, 0), half, 1);
 }
 
@@ -79,10 +80,10 @@ Image image_potential(const Image& plane, const Potential& requested) {
   const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
   // A gradient has a zero of its own; intensities are counted from their least value.
   const double bottom = options.source == PotentialSource::gradient ? 0 : static_cast<double>(*low);
-  const double top = static_cast<double>(*high), range = top - bottom;
+  const double top = *high, range = top - bottom;
   if (!(range > 0)) return Image(image.grid);
   const bool dark = options.source == PotentialSource::dark;
-  for (float& v : image.values) v = static_cast<float>(((dark ? v - top : bottom - v)) / range);
+  for (float& v : image.values) v = (dark ? v - top : bottom - v) / range;
   return image;
 }
 
@@ -105,8 +106,8 @@ field::VectorField force_of(const Image& energy, double scale) {
     for (int i = 0; i < energy.grid.dims[0]; ++i) {
       const Vec3 g = -scale * field::detail::gradient_at(energy, i, j, 0);
       const std::size_t at = energy.grid.index(i, j, 0);
-      field.x[at] = static_cast<float>(g.x());
-      field.y[at] = static_cast<float>(g.y());
+      field.x[at] = g.x();
+      field.y[at] = g.y();
     }
   return field;
 }

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/contours.hpp"
 
@@ -44,7 +45,7 @@ class Band {
 
 void respace(Contour& c, double edge) {
   const double length = length_of(c);
-  const int count = std::max(8, static_cast<int>(std::lround(length / edge)));
+  const int count = std::max(8, round_int(length / edge));
   if (length > 1e-6) c = spread_evenly(c, count, centroid_of(c));
 }
 

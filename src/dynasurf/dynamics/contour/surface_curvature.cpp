@@ -74,7 +74,7 @@ Force surface_curvature_force(const TriMesh& mesh, double strength) {
                                                                         ForceJacobian& jacobian) {
     const TriMesh now{{state.positions.begin(), state.positions.end()}, mesh.triangles};
     const std::vector<Vec3> normals = mesh::angle_weighted_normals(now);
-    const auto count = static_cast<std::uint32_t>(now.vertices.size());
+    const std::uint32_t count = now.vertices.size();
     std::vector<double> slope(count), edge(count);
     for (std::uint32_t v = 0; v < count; ++v) {
       const auto apart = [&](std::uint32_t j) { return (now.vertices[v] - now.vertices[j]).squaredNorm(); };

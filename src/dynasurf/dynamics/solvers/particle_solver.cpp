@@ -51,7 +51,7 @@ class SystemMatrix {
   /// The diagonal block comes first.
   void append_row(const ParticleSystem& system, const ForceJacobian::Row& row, std::size_t i, double h) {
     const std::size_t diagonal = blocks_.size();
-    columns_.push_back(static_cast<std::uint32_t>(i));
+    columns_.push_back(i);
     blocks_.push_back(system.masses[i] * Mat3::Identity());
     for (std::size_t k = 0; k < row.columns.size(); ++k) {
       if (system.is_pinned(row.columns[k])) continue;

@@ -41,16 +41,15 @@ bool fill_data(const Grid& g, const Index3& place, const F& value, BrickData& da
           Index3 before = v, after = v;
           before[a] = std::max(before[a] - 1, 0);
           after[a] = std::min(after[a] + 1, g.dims[a] - 1);
-          const int axis = static_cast<int>(a);
-          slope[axis] = detail::slope(static_cast<double>(value(before)), static_cast<double>(value(after)), v[a],
-                                      g.dims[a], g.spacing[axis]);
+          const int axis = a;
+          slope[axis] = detail::slope(value(before), value(after), v[a], g.dims[a], g.spacing[axis]);
         }
         const double b = slope.squaredNorm();
         if (b == 0) continue;
         any = true;
         const std::size_t at = band::cell_at(i, j, k);
-        data.b[at] = static_cast<float>(b);
-        for (std::size_t c = 0; c < 3; ++c) data.pull[c][at] = static_cast<float>(b * slope[c]);
+        data.b[at] = b;
+        for (std::size_t c = 0; c < 3; ++c) data.pull[c][at] = b * slope[c];
       }
   return any;
 }
@@ -120,7 +119,7 @@ struct BorderBits {
   std::size_t brick(const Index3& p) {
     std::int32_t& number = brick_at[entry(p)];
     if (number < 0) {
-      number = static_cast<std::int32_t>(place.size());
+      number = place.size();
       place.push_back(p);
       bits.push_back({});
     }
@@ -281,9 +280,9 @@ VectorField dense_field(const BandField& field) {
         for (int i = 0; i < n[0]; ++i) {
           const Vec3 u = field.at(i, j, k);
           const std::size_t v = out.grid.index(i, j, k);
-          out.x[v] = static_cast<float>(u[0]);
-          out.y[v] = static_cast<float>(u[1]);
-          out.z[v] = static_cast<float>(u[2]);
+          out.x[v] = u[0];
+          out.y[v] = u[1];
+          out.z[v] = u[2];
         }
   });
   return out;
@@ -301,8 +300,8 @@ void generalise(std::vector<BrickData>& data, double k) {
       const double b = brick.b[at];
       if (b == 0) continue;
       const double now = own::expm1(std::min(16.0, inverse_k * std::sqrt(b)));
-      brick.b[at] = static_cast<float>(now);
-      for (auto& pull : brick.pull) pull[at] = static_cast<float>(now / b * pull[at]);
+      brick.b[at] = now;
+      for (auto& pull : brick.pull) pull[at] = now / b * pull[at];
     }
 }
 

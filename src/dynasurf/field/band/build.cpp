@@ -34,7 +34,7 @@ void around(const Level& l, const Index3& p, int reach, F body) {
 void add_brick(Level& l, const Index3& p) {
   std::int32_t& number = l.brick_at[entry(l, p)];
   if (number >= 0) return;
-  number = static_cast<std::int32_t>(l.place.size());
+  number = l.place.size();
   l.place.push_back(p);
 }
 
@@ -62,12 +62,12 @@ void number_bricks(Level& l) {
   std::sort(l.place.begin(), l.place.end(), [](const Index3& p, const Index3& q) {
     return std::array{p[2], p[1], p[0]} < std::array{q[2], q[1], q[0]};
   });
-  for (std::size_t n = 0; n < l.place.size(); ++n) l.brick_at[entry(l, l.place[n])] = static_cast<std::int32_t>(n);
+  for (std::size_t n = 0; n < l.place.size(); ++n) l.brick_at[entry(l, l.place[n])] = n;
 }
 
 Axis axis_of(std::vector<double> width, double nominal) {
   Axis a;
-  a.count = static_cast<int>(width.size());
+  a.count = width.size();
   a.nominal = nominal;
   const std::size_t padded = (width.size() + side - 1) / side * side;
   a.left.assign(padded, 0);
@@ -76,8 +76,8 @@ Axis axis_of(std::vector<double> width, double nominal) {
   std::fill_n(a.share.begin(), width.size(), 1.0f);
   for (std::size_t i = 0; i + 1 < width.size(); ++i) {
     const double apart = (width[i] + width[i + 1]) / 2;
-    a.right[i] = static_cast<float>(1 / (width[i] * apart));
-    a.left[i + 1] = static_cast<float>(1 / (width[i + 1] * apart));
+    a.right[i] = 1 / (width[i] * apart);
+    a.left[i + 1] = 1 / (width[i + 1] * apart);
   }
   a.width = std::move(width);
   return a;
@@ -108,7 +108,7 @@ Level coarser(Level& fine) {
     std::vector<double> width;
     for (std::size_t i = 0; i < a.width.size(); i += 2)
       width.push_back(a.width[i] + (i + 1 < a.width.size() ? a.width[i + 1] : 0));
-    for (std::size_t i = 0; i < a.width.size(); ++i) a.share[i] = static_cast<float>(a.width[i] / width[i / 2]);
+    for (std::size_t i = 0; i < a.width.size(); ++i) a.share[i] = a.width[i] / width[i / 2];
     axis[d] = axis_of(std::move(width), 2 * a.nominal);
   }
   return level_of(std::move(axis));
@@ -133,7 +133,7 @@ void fill_d(Level& l) {
           if (!is_inside(v, l.dims)) continue;
           float diagonal = l.b[n][cell_at(i, j, k)];
           for (std::size_t a = 0; a < 3; ++a) {
-            const auto at = static_cast<std::size_t>(v[a]);
+            const std::size_t at = v[a];
             diagonal += l.axis[a].left[at] + l.axis[a].right[at];
           }
           l.d[n][cell_at(i, j, k)] = diagonal > 0 ? 1 / diagonal : 0;
@@ -164,7 +164,7 @@ void make_room(Level& l) {
   std::int32_t ghosts = 0;
   for (std::size_t m = 0; m < n; ++m)
     for (int f = 0; f < faces; ++f) {
-      const auto axis = static_cast<std::size_t>(f / 2);
+      const std::size_t axis = f / 2;
       Index3 beyond = l.place[m];
       beyond[axis] += f % 2 == 0 ? -1 : 1;
       const bool outside = beyond[axis] < 0 || beyond[axis] >= l.bricks[axis];
@@ -186,7 +186,7 @@ float freedom(const Level& l, const Index3& v) {
 float shown(const Level& l, const Index3& v, float d, float s) {
   float flow = 0;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto at = static_cast<std::size_t>(v[a]);
+    const std::size_t at = v[a];
     Index3 low = v, high = v;
     --low[a], ++high[a];
     if (l.axis[a].left[at] > 0) flow += l.axis[a].left[at] * freedom(l, low);
@@ -201,7 +201,7 @@ float shown(const Level& l, const Index3& v, float d, float s) {
 void coarsen_data(const Level& f, Level& g, bool voxels) {
   for (std::size_t n = 0; n < f.place.size(); ++n) {
     const Index3 parent = parent_of(f, f.place[n]);
-    const auto m = static_cast<std::size_t>(g.number(parent));
+    const std::size_t m = g.number(parent);
     int eighths = 0;  // of the parent brick that this brick fills
     for (int k = 0; k < side; ++k)
       for (int j = 0; j < side; ++j)
@@ -222,7 +222,7 @@ void coarsen_data(const Level& f, Level& g, bool voxels) {
           g.b[m][to] += share * b * (voxels ? shown(f, v, d, s) : s);
           for (std::size_t comp = 0; comp < 3; ++comp) g.rhs[m][comp][to] += share * s * f.rhs[n][comp][from];
         }
-    g.covered[m] = static_cast<std::uint8_t>(g.covered[m] | eighths);
+    g.covered[m] = g.covered[m] | eighths;
   }
 }
 
@@ -249,7 +249,7 @@ std::vector<Level> build(const Grid& grid, const std::array<double, 3>& rates, c
   }
   for (Level& l : levels) make_room(l);
   for (const BrickData& brick : data) {
-    const auto n = static_cast<std::size_t>(levels[0].number(brick.place));
+    const std::size_t n = levels[0].number(brick.place);
     levels[0].b[n] = brick.b;
     levels[0].rhs[n] = brick.pull;
   }

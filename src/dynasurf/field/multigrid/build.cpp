@@ -24,15 +24,15 @@ void make_room(detail::FloatBuffer& buffer, std::size_t count, bool changed) {
 
 Axis axis_of(std::vector<double> width, double nominal) {
   Axis a;
-  a.count = static_cast<int>(width.size());
+  a.count = width.size();
   a.nominal = nominal;
   a.left.assign(width.size(), 0);
   a.right.assign(width.size(), 0);
   a.share.assign(width.size(), 1);
   for (std::size_t i = 0; i + 1 < width.size(); ++i) {
     const double apart = (width[i] + width[i + 1]) / 2;
-    a.right[i] = static_cast<float>(1 / (width[i] * apart));
-    a.left[i + 1] = static_cast<float>(1 / (width[i + 1] * apart));
+    a.right[i] = 1 / (width[i] * apart);
+    a.left[i + 1] = 1 / (width[i + 1] * apart);
   }
   a.width = std::move(width);
   return a;
@@ -56,7 +56,7 @@ std::array<Axis, 3> coarsen(std::array<Axis, 3>& fine) {
     std::vector<double> width;
     for (std::size_t i = 0; i < a.width.size(); i += 2)
       width.push_back(a.width[i] + (i + 1 < a.width.size() ? a.width[i + 1] : 0));
-    for (std::size_t i = 0; i < a.width.size(); ++i) a.share[i] = static_cast<float>(a.width[i] / width[i / 2]);
+    for (std::size_t i = 0; i < a.width.size(); ++i) a.share[i] = a.width[i] / width[i / 2];
     coarse[d] = axis_of(std::move(width), 2 * a.nominal);
   }
   return coarse;
@@ -88,7 +88,7 @@ void fill_lanes(Level& l) {
   make_room(l.lane_values, 8 * static_cast<std::size_t>(l.slot), true);
   const Axis& x = l.axis[0];
   for (int i = 0; i < x.count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+    const std::size_t at = i;
     float* v = l.lane_values.data() + (i % 2) * l.slot + i / 2;
     v[0] = x.left[at];
     v[2 * l.slot] = x.right[at];
@@ -163,7 +163,7 @@ DYNASURF_INLINE MapChunk<V> chunk_of(const MapRow& r, int first, int n) {
   if (first == 0) c.before[0] = where_greater(lane_numbers<V>(), V{}, c.before[0], c.own[0]);
   if (first + count < n) return c;
   for (int h : {0, 1}) {
-    const V left = static_cast<float>(count - h * lanes) - lane_numbers<V>();  // voxels from this one on
+    const V left = (count - h * lanes) - lane_numbers<V>();  // voxels from this one on
     c.after[h] = where_equal(left, V(1), c.own[h], c.after[h]);
     if (count == chunk) continue;
     for (V* v : {c.own, c.before, c.after, c.ym, c.yp, c.zm, c.zp}) v[h] = where_greater(left, V{}, v[h], V{});
@@ -202,8 +202,7 @@ DYNASURF_INLINE V data_term(V squared, const DataTerm& term) {
   if (term.inverse_k == 0) return squared;
   float b[lanes];
   store(b, squared);
-  for (float& x : b)
-    x = static_cast<float>(own::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(x)))));
+  for (float& x : b) x = own::expm1(std::min(16.0, term.inverse_k * std::sqrt(static_cast<double>(x))));
   return load<V>(b);
 }
 
@@ -260,7 +259,7 @@ DYNASURF_INLINE void fill_blocks(Level& l, const Image& map, int k, std::int32_t
       if (const int last = nx - 1 - m * chunk; last < chunk) {
         V& end = x.half[last % 2];
         const int lane = last / 2;
-        end = where_equal(lane_numbers<V>(), V(static_cast<float>(lane)), end * 2, end);
+        end = where_equal(lane_numbers<V>(), V(lane), end * 2, end);
       }
       for (int half : {0, 1}) {
         const std::int32_t number = block_of[half * chunks + m] += first;
@@ -290,7 +289,7 @@ Rows box_around(std::span<const SliceOutcome> slices) {
   for (std::size_t k = 0; k < slices.size(); ++k) {
     const SliceOutcome& s = slices[k];
     if (s.blocks == 0) continue;
-    const int slice = static_cast<int>(k);
+    const int slice = k;
     box = box.k1 == 0 ? Rows{slice, slice + 1, s.first_row, s.end_row}
                       : Rows{box.k0, slice + 1, std::min(box.j0, s.first_row), std::max(box.j1, s.end_row)};
   }
@@ -325,7 +324,7 @@ void shape_levels(std::vector<Level>& levels, const Grid& grid, const Vec3& rate
 
 /// The blocks of data of the finest level, and what each slice found in them.
 std::vector<SliceOutcome> fill_finest(Level& finest, const Image& map, const DataTerm& term) {
-  const auto slices = static_cast<std::size_t>(finest.nz());
+  const std::size_t slices = finest.nz();
   std::vector<SliceOutcome> outcomes(slices);
   std::vector<std::int32_t> first(slices + 1);
   const auto each_slice = [&](auto body) {
@@ -336,9 +335,8 @@ std::vector<SliceOutcome> fill_finest(Level& finest, const Image& map, const Dat
     });
   };
   each_slice([&](std::size_t k) {
-    detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
-      number_blocks<Floats<native>>(finest, map, static_cast<int>(k), outcomes[k]);
-    });
+    detail::with_native_vectors(
+        [&]<int native>() DYNASURF_INLINE_LAMBDA { number_blocks<Floats<native>>(finest, map, k, outcomes[k]); });
   });
   for (std::size_t k = 0; k < slices; ++k) first[k + 1] = first[k] + outcomes[k].blocks;
   finest.data = box_around(outcomes);
@@ -347,7 +345,7 @@ std::vector<SliceOutcome> fill_finest(Level& finest, const Image& map, const Dat
   make_room_for_blocks(finest, first[slices]);
   each_slice([&](std::size_t k) {
     detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
-      fill_blocks<Floats<native>>(finest, map, static_cast<int>(k), first[k], term, outcomes[k]);
+      fill_blocks<Floats<native>>(finest, map, k, first[k], term, outcomes[k]);
     });
   });
   return outcomes;
@@ -370,7 +368,7 @@ DataStrength build(std::vector<Level>& levels, const Image& map, const Vec3& rat
     const std::size_t coarse_grain = std::max<std::size_t>(1, (std::size_t{1} << 12) * g.nz() / g.cells());
     parallel_for(g.nz(), coarse_grain, [&](std::size_t begin, std::size_t end) {
       const detail::FlushDenormals flush;
-      for (std::size_t k = begin; k < end; ++k) coarsen_slice(levels[l - 1], g, static_cast<int>(k));
+      for (std::size_t k = begin; k < end; ++k) coarsen_slice(levels[l - 1], g, k);
     });
   }
   return {all.largest_b, all.sum_b / levels[0].cells()};

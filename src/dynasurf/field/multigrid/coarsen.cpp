@@ -32,7 +32,7 @@ DYNASURF_INLINE DataRow data_row(const View& l, int j, int k) {
 template <class V>
 DYNASURF_INLINE V freedom(const View& l, std::int32_t number, V diagonal) {
   const V s = diagonal * load<V>(l.block(std::max(number, 0)));
-  return where_greater(V{}, V(static_cast<float>(number)), V(1), s);
+  return where_greater(V{}, V(number), V(1), s);
 }
 
 /// How much of its data term a voxel shows to the coarser level. Alone among free voxels it would follow them by s, and

@@ -191,8 +191,8 @@ DYNASURF_INLINE void sweep_measured(Level& l, int k0, int k1, int j0, int j1, in
   sweep_in_tiles<V, Start::measured, true>(View(l), k0, k1, j0, j1, colour, measure);
   for (int k = k0; k < k1; ++k) {
     const std::size_t row = l.row_number(j0, k), count = j1 - j0;
-    std::fill_n(l.change.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
-    std::fill_n(l.size.begin() + static_cast<std::ptrdiff_t>(row), count, 0.0);
+    std::fill_n(l.change.begin() + row, count, 0.0);
+    std::fill_n(l.size.begin() + row, count, 0.0);
   }
   l.change[l.row_number(j0, k0)] = sum_of(measure.change);
   l.size[l.row_number(j0, k0)] = sum_of(measure.size);

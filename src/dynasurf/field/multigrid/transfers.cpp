@@ -136,7 +136,7 @@ DYNASURF_INLINE void restrict_row(const View& f, const View& g, int j, int k) {
   // Sums over pairs along x lie in natural order and are split at the end; without pairs they lie split already.
   const bool joined = f.halved[0];
   const int step = joined ? std::max(f.slot, 2 * g.slot) : 2 * f.slot;
-  float* sum = scratch(static_cast<std::size_t>(3 * step));
+  float* sum = scratch(3 * step);
   std::fill_n(sum, 3 * step, 0.0f);
   const Children rows = children_of(f.halved[1], f.ny, j), slices = children_of(f.halved[2], f.nz, k);
   for (int z = slices.first; z <= slices.last; ++z)
@@ -152,7 +152,7 @@ DYNASURF_INLINE void restrict_row(const View& f, const View& g, int j, int k) {
 template <class V, bool finest, int first, int usual_slot>
 DYNASURF_INLINE void restrict_pairs(const View& f, const View& g, int k, int j0, int j1) {
   const int step = std::max(f.slot, 2 * g.slot);
-  float* both = scratch(static_cast<std::size_t>(6 * step));
+  float* both = scratch(6 * step);
   std::fill_n(both, 6 * step, 0.0f);
   float* const sum[2] = {both, f.halved[2] ? both : both + 3 * step};
   for (int j = j0; j < j1; ++j) {
@@ -229,7 +229,7 @@ class Interpolated {
         if (at >= end_of<V>(fine_slot_)) return;
         const V down = shifted_up(before, v[i]);
         V up = shifted_down(v[i], i == 0 ? v[1] : next[0]);
-        if (at + V::count > end_) up = where_equal(lane_numbers<V>(), V(static_cast<float>(end_ - at)), v[i], up);
+        if (at + V::count > end_) up = where_equal(lane_numbers<V>(), V(end_ - at), v[i], up);
         store(to + at, 0.75f * v[i] + 0.25f * down);
         store(to + fine_slot_ + at, 0.75f * v[i] + 0.25f * up);
         before = v[i];

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
 
 // All masses and values are whole numbers, so that their sums are exact: the map of a turned image is the turned map,
@@ -64,7 +65,7 @@ std::vector<int> wedge_areas(int dx, int dy, double radius, int wedges) {
 Window make_window(const Compass& o) {
   Window w;
   const double radius = 3 * o.sigma_px;
-  w.radius = static_cast<int>(std::ceil(radius));
+  w.radius = ceil_int(radius);
   const auto weight = [&](int dx, int dy) {
     const double r2 = dx * dx + dy * dy;
     return std::sqrt(r2) * own::exp(-r2 / (2 * o.sigma_px * o.sigma_px));
@@ -74,7 +75,7 @@ Window make_window(const Compass& o) {
     for (int dx = -w.radius; dx <= w.radius; ++dx) sum += 128 * weight(dx, dy);
   for (int dy = -w.radius; dy <= w.radius; ++dy)
     for (int dx = -w.radius; dx <= w.radius; ++dx) {
-      const auto unit = static_cast<std::int32_t>(std::lround(window_mass * weight(dx, dy) / sum));
+      const std::int32_t unit = std::lround(window_mass * weight(dx, dy) / sum);
       const std::vector<int> areas = wedge_areas(dx, dy, radius, o.wedges);
       std::int32_t mass = 0;
       for (std::size_t n = 0; n < areas.size(); ++n) {
@@ -103,7 +104,7 @@ struct Moments {
   /// Squared deviations from the mean.
   double deviation() const {
     if (mass == 0) return 0;
-    return second - first * static_cast<double>(first) / static_cast<double>(mass);
+    return second - first * static_cast<double>(first) / mass;
   }
   double mean() const { return first / static_cast<double>(mass); }
 };
@@ -185,7 +186,7 @@ struct Needle {
 class Operator {
  public:
   explicit Operator(const Compass& o) : o_(o), window_(make_window(o)), distance_(levels + 1) {
-    for (int d = 0; d <= levels; ++d) distance_[d] = static_cast<float>(-own::expm1(-d / (o.gamma * (levels - 1))));
+    for (int d = 0; d <= levels; ++d) distance_[d] = -own::expm1(-d / (o.gamma * (levels - 1)));
     for (int n = 0; n < orientations(); ++n) {
       // In the first quadrant and turned from there, so that the four quarters are exact copies.
       const double angle = n % o.wedges * std::numbers::pi / (2 * o.wedges);
@@ -211,10 +212,10 @@ class Operator {
 
     std::array<std::uint8_t, 2048> bin;  // a window of sigma 7 px has 1405 pixels
     std::array<Moments, bins + 1> below{};
-    const auto factor = static_cast<std::uint32_t>((bins << 16) / (high - low + 1));
+    const std::uint32_t factor = (bins << 16) / (high - low + 1);
     for (std::size_t n = 0; n < places.size(); ++n) {
       const int v = centre[places[n]];
-      bin[n] = static_cast<std::uint8_t>(((v - low) * factor) >> 16);
+      bin[n] = ((v - low) * factor) >> 16;
       Moments& m = below[bin[n] + 1U];
       const std::int64_t mass = window_.masses[n];
       m.mass += mass, m.first += mass * v, m.second += mass * v * v;
@@ -258,8 +259,8 @@ class Operator {
       std::int32_t a = 0, b = 0;
       for (std::size_t c = 0; c < count; ++c) {
         a += half[c], b += all[c] - half[c];
-        below_a[c + 1][o] = static_cast<float>(a);
-        below_b[c + 1][o] = static_cast<float>(b);
+        below_a[c + 1][o] = a;
+        below_b[c + 1][o] = b;
         half[c] += wedge[o + turns][c] - wedge[o][c];
       }
     }
@@ -272,7 +273,7 @@ class Operator {
         move_between(&below_a[i], &below_a[j], &below_b[i], &below_b[j], d / 4, work);
       }
 
-    Peak peak = find_peak(work.data(), static_cast<float>(total));
+    Peak peak = find_peak(work.data(), total);
     if (peak.needle.strength == 0) return {};
     double brighter = 0;
     for (std::size_t c = 0; c < count; ++c)
@@ -307,12 +308,12 @@ class Operator {
     Peak p{static_cast<std::size_t>(peak), {}};
     p.needle.strength = std::min(1.0F, (most - fall * t / 4) / total);
     p.needle.abnormality = least / total;
-    p.needle.uncertainty_deg = static_cast<float>(180.0 / turns * near);
+    p.needle.uncertainty_deg = 180.0 / turns * near;
     // Turn the diameter by t steps, then by a quarter turn.
     const double small = t * std::numbers::pi / turns, c = own::cos(small), s = own::sin(small);
     const auto& along = along_[peak];
-    p.needle.x = static_cast<float>(-(along[0] * s + along[1] * c));
-    p.needle.y = static_cast<float>(along[0] * c - along[1] * s);
+    p.needle.x = -(along[0] * s + along[1] * c);
+    p.needle.y = along[0] * c - along[1] * s;
     return p;
   }
 
@@ -333,7 +334,7 @@ Padded pad(const Slice& s, int radius, float low, float high) {
   const double scale = (levels - 1) / (static_cast<double>(high) - low);
   for (int j = -radius; j < s.height + radius; ++j)
     for (int i = -radius; i < s.width + radius; ++i)
-      p.values.push_back(static_cast<std::uint16_t>(std::lround((static_cast<double>(s.clamped(i, j)) - low) * scale)));
+      p.values.push_back(std::lround((static_cast<double>(s.clamped(i, j)) - low) * scale));
   return p;
 }
 
@@ -390,7 +391,7 @@ EdgeMap detect_edges(const Image& image, const Compass& options) {
   for_each_slice(image.grid, [&](int k) {
     const Slice strength = slice_of(map.gradient, k);
     const SliceVectors across{slice_of(maps.across_x, k), slice_of(maps.across_y, k)};
-    trace(thin(strength, across), static_cast<float>(options.low), static_cast<float>(options.high), map.edges, k);
+    trace(thin(strength, across), options.low, options.high, map.edges, k);
     if (options.subpixel) put_offsets(strength, across, map, k);
   });
   note_flat(map);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/image/detail/components.hpp"
 #include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/image/detail/ridges.hpp"
@@ -56,9 +57,9 @@ Tensor tensor_of(const Products& p) {
     const double cos2 = difference > 0 ? (xx - yy) / difference : 1, sin2 = difference > 0 ? 2 * xy / difference : 0;
     t.a[n] = c * (1 - cos2) / 2, t.d[n] = c * (1 + cos2) / 2, t.b[n] = -c * sin2 / 2;
     const double angle = 0.5 * own::atan2(2 * xy, xx - yy);
-    t.normal.x.values[n] = static_cast<float>(own::cos(angle));
-    t.normal.y.values[n] = static_cast<float>(own::sin(angle));
-    t.strength.values[n] = static_cast<float>(difference);
+    t.normal.x.values[n] = own::cos(angle);
+    t.normal.y.values[n] = own::sin(angle);
+    t.strength.values[n] = difference;
   }
   return t;
 }
@@ -73,9 +74,7 @@ void mix_in(const std::optional<Conic>& prior, double weight, Products& p) {
       if (!(length2 > 0)) continue;
       const double seen = p.xx(i, j) + static_cast<double>(p.yy(i, j));
       const double share = seen > 0 ? (1 - weight) / seen : 0;
-      const auto mix = [&](float& value, double of_prior) {
-        value = static_cast<float>(share * value + weight * of_prior / length2);
-      };
+      const auto mix = [&](float& value, double of_prior) { value = share * value + weight * of_prior / length2; };
       mix(p.xx(i, j), across[0] * across[0]);
       mix(p.xy(i, j), across[0] * across[1]);
       mix(p.yy(i, j), across[1] * across[1]);
@@ -98,7 +97,7 @@ double arc_over_sine(double s) {
 /// contour and leads there. Short and straight arcs say more. An arc and its contour share their circle, so what the
 /// two ends of a torn ring say agrees on that ring.
 void vote(const Pixel& from, double across_x, double across_y, double reach_px, Products& votes) {
-  const int window = static_cast<int>(std::ceil(2.5 * reach_px));
+  const int window = ceil_int(2.5 * reach_px);
   for (int j = std::max(0, from.j - window); j <= std::min(votes.xx.height - 1, from.j + window); ++j)
     for (int i = std::max(0, from.i - window); i <= std::min(votes.xx.width - 1, from.i + window); ++i) {
       const double x = i - from.i, y = j - from.j, way2 = x * x + y * y;
@@ -130,7 +129,7 @@ Products votes_of(const Slice& contour, const SliceVectors& normal, double reach
 /// that runs through the pixel, however the contour bends there.
 void add_votes_of(const Conic& prior, const Slice& contour, double reach_px, double weight, Products& votes) {
   constexpr double thickness_px = 0.7;
-  const int window = static_cast<int>(std::ceil(2.5 * reach_px));
+  const int window = ceil_int(2.5 * reach_px);
   for (int pj = 0; pj < contour.height; ++pj)
     for (int pi = 0; pi < contour.width; ++pi) {
       if (!(contour(pi, pj) > 0)) continue;
@@ -202,7 +201,7 @@ void flow(Values& u, const Tensor& t, const Lattice& l, double dt) {
 
 Slice to_slice(const Values& u, int width, int height) {
   Slice s(width, height);
-  for (std::size_t n = 0; n < u.size(); ++n) s.values[n] = static_cast<float>(u[n]);
+  for (std::size_t n = 0; n < u.size(); ++n) s.values[n] = u[n];
   return s;
 }
 

@@ -57,7 +57,7 @@ bool is_round(const Conic& q) {
 /// Least squares of the conic with a + c = 2; of a circle a = c and b = 0. About a fixed middle there is no d and e.
 std::optional<Conic> fit(const Points& points, bool ellipse, bool fixed) {
   const Eigen::Index shape = ellipse ? 2 : 0, place = fixed ? 0 : 2, unknowns = shape + place + points.contours;
-  const auto rows = static_cast<Eigen::Index>(points.at.size());
+  const Eigen::Index rows = points.at.size();
   if (rows < unknowns) return std::nullopt;
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(rows, unknowns);
   Eigen::VectorXd right(rows);

@@ -21,7 +21,7 @@ struct Measured {
 
 SliceVectors gradient_per_mm(const Slice& s, const Grid& grid) {
   SliceVectors g = central_gradient(s);
-  const auto dx = static_cast<float>(grid.spacing[0]), dy = static_cast<float>(grid.spacing[1]);
+  const float dx = grid.spacing[0], dy = grid.spacing[1];
   for (float& v : g.x.values) v /= dx;
   for (float& v : g.y.values) v /= dy;
   return g;
@@ -34,7 +34,7 @@ Slice laplacian_of(const Slice& s, const Grid& grid) {
     for (int i = 0; i < s.width; ++i) {
       const double here = s(i, j), beside = double(s.clamped(i - 1, j)) + s.clamped(i + 1, j),
                    above = double(s.clamped(i, j - 1)) + s.clamped(i, j + 1);
-      l(i, j) = static_cast<float>((beside - 2 * here) / dx2 + (above - 2 * here) / dy2);
+      l(i, j) = (beside - 2 * here) / dx2 + (above - 2 * here) / dy2;
     }
   return l;
 }
@@ -51,7 +51,7 @@ Slice roberts_of(const Slice& s, const Grid& grid) {
   };
   for (int j = 0; j < s.height; ++j)
     for (int i = 0; i < s.width; ++i)
-      r(i, j) = static_cast<float>(std::max({corner(i - 1, j - 1), corner(i, j - 1), corner(i - 1, j), corner(i, j)}));
+      r(i, j) = std::max({corner(i - 1, j - 1), corner(i, j - 1), corner(i - 1, j), corner(i, j)});
   return r;
 }
 
@@ -114,7 +114,7 @@ EdgeMap detect_edges(const Image& image, const GradientEdges& options) {
   });
 
   if (o.subpixel) map.offsets = EdgeOffsets{Image(image.grid), Image(image.grid)};
-  const auto least = static_cast<float>(o.threshold * largest_of(map.gradient));
+  const float least = o.threshold * largest_of(map.gradient);
   for_each_slice(image.grid, [&](int k) {
     const Measured m = measure(slice_of(image, k), image.grid, o.measure);
     if (o.measure != GradientMeasure::laplacian || !o.thin) {

@@ -12,8 +12,8 @@ SliceVectors sobel_of(const Slice& s) {
       const auto at = [&](int di, int dj) { return static_cast<double>(s.clamped(i + di, j + dj)); };
       const double right = at(1, -1) + at(1, 1) + 2 * at(1, 0), left = at(-1, -1) + at(-1, 1) + 2 * at(-1, 0);
       const double below = at(-1, 1) + at(1, 1) + 2 * at(0, 1), above = at(-1, -1) + at(1, -1) + 2 * at(0, -1);
-      g.x(i, j) = static_cast<float>(right - left);
-      g.y(i, j) = static_cast<float>(below - above);
+      g.x(i, j) = right - left;
+      g.y(i, j) = below - above;
     }
   return g;
 }
@@ -28,7 +28,7 @@ EdgeMap detect_edges(const Image& image, const SobelEdges& options) {
   for_each_slice(image.grid, [&](int k) { put_slice(lengths_of(sobel_of(slice_of(image, k))), map.gradient, k); });
 
   if (o.subpixel) map.offsets = EdgeOffsets{Image(image.grid), Image(image.grid)};
-  const auto least = static_cast<float>(o.threshold * largest_of(map.gradient));
+  const float least = o.threshold * largest_of(map.gradient);
   for_each_slice(image.grid, [&](int k) {
     const Slice magnitude = slice_of(map.gradient, k);
     SliceVectors across;

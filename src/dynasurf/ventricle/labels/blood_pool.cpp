@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 
 namespace dynasurf::ventricle {
@@ -16,8 +17,8 @@ constexpr std::size_t least_circles = 5;  // a few may be gut or the solid apex
 /// Of one slice; 0 when the circle has no bright ring.
 double filling_of(const Image& image, double x, double y, double radius_px, int k) {
   std::vector<double> sums(static_cast<std::size_t>(std::max(0.0, radius_px - middle_px)) + 2, 0), counts(sums);
-  const int reach = static_cast<int>(std::ceil(radius_px));
-  const int ci = static_cast<int>(std::floor(x + 0.5)), cj = static_cast<int>(std::floor(y + 0.5));
+  const int reach = ceil_int(radius_px);
+  const int ci = floor_int(x + 0.5), cj = floor_int(y + 0.5);
   for (int j = cj - reach; j <= cj + reach; ++j)
     for (int i = ci - reach; i <= ci + reach; ++i) {
       const double d = own::hypot(i - x, j - y);
@@ -36,8 +37,7 @@ double filling_of(const Image& image, double x, double y, double radius_px, int 
 double filling(const Image& image, const std::vector<std::optional<Circle>>& local) {
   std::vector<double> shares;
   for (std::size_t k = 0; k < local.size(); ++k)
-    if (const auto& c = local[k])
-      shares.push_back(filling_of(image, c->x_px, c->y_px, c->radius_px, static_cast<int>(k)));
+    if (const auto& c = local[k]) shares.push_back(filling_of(image, c->x_px, c->y_px, c->radius_px, k));
   if (shares.size() < least_circles) return 0;
   return upper_median(std::move(shares));
 }
@@ -66,7 +66,7 @@ Mask borders_of_pool(Mask borders) {
 int division_slice_of_pool(const std::vector<double>& profile) {
   const auto brightest = std::max_element(profile.begin(), profile.end());
   if (brightest == profile.end()) return -1;
-  int k = static_cast<int>(brightest - profile.begin());
+  int k = brightest - profile.begin();
   while (k >= 0 && profile[k] >= 0.5 * *brightest) --k;
   return k;
 }

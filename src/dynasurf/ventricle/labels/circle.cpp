@@ -27,7 +27,7 @@ Ring ring_around(const std::vector<image::Pixel>& pixels, double x, double y, do
     distances.push_back(std::sqrt((p.i - x) * (p.i - x) + (p.j - y) * (p.j - y)));
     sum += distances.back();
   }
-  const auto count = static_cast<double>(pixels.size());
+  const double count = pixels.size();
   const double radius = sum / count;
   const auto on_ring =
       std::count_if(distances.begin(), distances.end(), [&](double d) { return std::abs(d - radius) <= tolerance; });
@@ -185,7 +185,7 @@ Axis find_axis(const Centre& centre, const AutoCircle& o) {
   std::vector<double> k, x, y;
   for (std::size_t s = 0; s < centre.local.size(); ++s) {
     if (!centre.local[s]) continue;
-    k.push_back(static_cast<double>(s));
+    k.push_back(s);
     x.push_back(centre.local[s]->x_px), y.push_back(centre.local[s]->y_px);
   }
   if (!o.robust_fit || k.size() < least_slices_for_an_axis) return {centre.x_px, centre.y_px, 0, 0};
@@ -197,7 +197,7 @@ WidestEdge find_widest_edge(const SliceEdges& edges, const Grid& grid, const Axi
                             Notes& notes) {
   WidestEdge widest;
   double best = 0;
-  const auto least_px = static_cast<std::size_t>(2 * o.min_component_px);
+  const std::size_t least_px = 2 * o.min_component_px;
   for (const auto& slice : edges)
     for (const image::Component& edge : slice) {
       const double x = axis.x_at(edge.slice), y = axis.y_at(edge.slice);

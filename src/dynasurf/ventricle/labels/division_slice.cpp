@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 
 namespace dynasurf::ventricle {
@@ -11,8 +12,7 @@ namespace dynasurf::ventricle {
 std::vector<double> centre_profile(const Image& image, const Axis& axis) {
   std::vector<double> profile;
   for (int k = 0; k < image.grid.dims[2]; ++k) {
-    const int ci = static_cast<int>(std::floor(axis.x_at(k) + 0.5)),
-              cj = static_cast<int>(std::floor(axis.y_at(k) + 0.5));
+    const int ci = floor_int(axis.x_at(k) + 0.5), cj = floor_int(axis.y_at(k) + 0.5);
     double sum = 0;
     int count = 0;
     for (int j = cj - 1; j <= cj + 1; ++j)
@@ -51,7 +51,7 @@ int find_division_slice(const std::vector<double>& profile, const std::vector<bo
     notes.push_back({Severity::warning, "slice_find.none", "No slice has edges, so no slice divides apex and cavity."});
     return -1;
   }
-  best = static_cast<int>(lowest - has_edges.begin());
+  best = lowest - has_edges.begin();
   text << "The centre of the ventricle is brighter than " << o.floor
        << " in no slice below a darker one (a defect of the apex looks so); the lowest slice with edges (" << best + 1
        << ") was taken as the end of the cavity.";
@@ -65,7 +65,7 @@ std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int low
   const int top = static_cast<int>(profile.size()) - 1;
   if (lowest_with_cavity < 0 || lowest_with_cavity > top) return std::nullopt;
   const auto at = [&](int k) { return profile[k]; };
-  const int first = std::max(0, lowest_with_cavity - static_cast<int>(std::ceil(reach_mm / slice_mm)));
+  const int first = std::max(0, lowest_with_cavity - ceil_int(reach_mm / slice_mm));
 
   int tip = -1;
   for (int k = std::min(top, lowest_with_cavity + 1); k >= first; --k) {
@@ -75,7 +75,7 @@ std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int low
     if (is_wall) break;
   }
   if (tip < 0) return std::nullopt;
-  const int above = std::min(top, lowest_with_cavity + static_cast<int>(std::ceil(cavity_mm / slice_mm)));
+  const int above = std::min(top, lowest_with_cavity + ceil_int(cavity_mm / slice_mm));
   const double cavity = *std::min_element(profile.begin() + tip, profile.begin() + above + 1);
   if (at(tip) - cavity < least_prominence) return std::nullopt;
   if (tip == 0 || tip == top) return WallTip{static_cast<double>(tip), at(tip)};
@@ -125,7 +125,7 @@ RefinedDivision refine_division_slice(int c, int slices, const std::function<int
   // The rows of table 2.1 count in binary: one border is 0, two are 1, from A down to C.
   const int number = 1 + 4 * (n_a > 1) + 2 * (n_b > 1) + (n_c > 1);
   const bool a_was_misjudged = number == 3 && seen(c + 3) > 1;
-  const Row& row = table[static_cast<std::size_t>(a_was_misjudged ? 0 : number)];
+  const Row& row = table[a_was_misjudged ? 0 : number];
   if (number != 7) {
     text << ": " << row.meaning << (row.moves ? "; the division slice moved up by one." : "; it was kept.");
     notes.push_back({row.severity, "slice_refine.case_" + std::to_string(number), text.str(), -1, c});

@@ -55,7 +55,7 @@ std::optional<Radii> radii_around(const std::vector<Sorted>& slices, const std::
   for (int n = std::max(0, k - neighbour_slices); n <= std::min(last, k + neighbour_slices); ++n) {
     const Sorted& s = slices[n];
     if (!clear[n]) continue;
-    const auto middle = s.distance.begin() + static_cast<std::ptrdiff_t>(s.inner);
+    const auto middle = s.distance.begin() + s.inner;
     endo.push_back(median({s.distance.begin(), middle}));
     epi.push_back(median({middle, s.distance.end()}));
   }
@@ -232,8 +232,8 @@ Mask classify_by_gradient(const SidedEdges& edges, const Grid& grid, const Axis&
   const std::size_t dropped = std::accumulate(dropped_in.begin(), dropped_in.end(), std::size_t{0});
   Mask inner(grid), outer(grid);
   for (std::size_t k = 0; k < endo.size(); ++k) {
-    for (const Ray& r : endo[k]) inner(r.pixel.i, r.pixel.j, static_cast<int>(k)) = 1;
-    for (const Ray& r : epi[k]) outer(r.pixel.i, r.pixel.j, static_cast<int>(k)) = 1;
+    for (const Ray& r : endo[k]) inner(r.pixel.i, r.pixel.j, k) = 1;
+    for (const Ray& r : epi[k]) outer(r.pixel.i, r.pixel.j, k) = 1;
   }
   if (dropped > 0)
     notes.push_back({Severity::info, "mlc.outliers",
@@ -258,7 +258,7 @@ std::vector<image::Pixel> pixels_of(const Mask& borders, int k, std::uint8_t bit
 int count_borders(const Mask& borders, int k, const Axis& axis, double least_coverage_deg) {
   const auto endo = pixels_of(borders, k, Labels::endo_bit), epi = pixels_of(borders, k, Labels::epi_bit);
   const bool has_endo = !endo.empty() && coverage_deg(endo, axis.x_at(k), axis.y_at(k)) >= least_coverage_deg;
-  return static_cast<int>(has_endo) + static_cast<int>(!epi.empty());
+  return has_endo + !epi.empty();
 }
 
 }  // namespace dynasurf::ventricle

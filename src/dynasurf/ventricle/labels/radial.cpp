@@ -20,7 +20,7 @@ int slice_of_change(const std::vector<RadialProfile>& profiles) {
   int change = -1;
   for (std::size_t k = 0; k + 1 < profiles.size(); ++k) {
     if (profiles[k].peaks_px.size() >= 2) break;
-    if (profiles[k].peaks_px.size() == 1) change = static_cast<int>(k);
+    if (profiles[k].peaks_px.size() == 1) change = k;
   }
   return change;
 }

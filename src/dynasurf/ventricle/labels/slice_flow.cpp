@@ -17,7 +17,7 @@ field::VectorField slice_flow(const Image& image, const SliceFlow& options) {
   Grid one = image.grid;
   // Alone in its grid a slice has no neighbours above and below: the flow is that of the plane.
   one.dims[2] = 1;
-  const auto area = static_cast<std::ptrdiff_t>(one.size());
+  const std::ptrdiff_t area = one.size();
   parallel_for(image.grid.dims[2], 1, [&](std::size_t k, std::size_t) {
     Image slice(one);
     const std::ptrdiff_t begin = area * static_cast<std::ptrdiff_t>(k);
@@ -79,7 +79,7 @@ std::vector<std::size_t> meeting_points(const FieldLine& line, double least) {
 std::vector<std::size_t> quiet_points(const FieldLine& line, double longest, const QuietPoints& o) {
   std::vector<std::size_t> points;
   const auto& length = line.length;
-  const auto width = static_cast<std::size_t>(o.width_px);
+  const std::size_t width = o.width_px;
   for (std::size_t n = 1; n + 1 < length.size(); ++n) {
     if (!(length[n] < o.low * longest)) continue;
     // One side may be as low: on a plateau of two pixels both would be lost otherwise.

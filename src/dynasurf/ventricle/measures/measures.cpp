@@ -132,7 +132,7 @@ Curves segment_curves(const Measures& m, const Curves& curves) {
   for (std::size_t n = 0; n < curves.size(); ++n) {
     const int number = segment_at(m.model, m.grid.point(n));
     if (curves[n].empty() || number == 0) continue;
-    const auto s = static_cast<std::size_t>(number - 1);
+    const std::size_t s = number - 1;
     sums[s].resize(curves[n].size(), 0.0);
     for (std::size_t g = 0; g < curves[n].size(); ++g) sums[s][g] += m.area_mm2[n] * curves[n][g];
     weights[s] += m.area_mm2[n];
@@ -232,7 +232,7 @@ void measure_motion(Measures& m, const MeasureInput& input) {
   std::vector<double> weight(m.segments.size(), 0.0), moved = weight, strain = weight;
   for (std::size_t v = 0; v < numbers.size(); ++v) {
     if (numbers[v] == 0) continue;
-    const auto s = static_cast<std::size_t>(numbers[v] - 1);
+    const std::size_t s = numbers[v] - 1;
     weight[s] += areas[v];
     moved[s] += areas[v] * contracted->displacement_mm[v];
     strain[s] += areas[v] * contracted->area_strain_percent[v];

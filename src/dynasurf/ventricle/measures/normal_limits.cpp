@@ -35,7 +35,7 @@ void add_up(SegmentScores& scores) {
 NormalMap build_normal_map(std::span<const PolarValues> perfusion, const PolarGrid& grid, double least_sd) {
   if (perfusion.size() < 3) throw InputError(std::to_string(perfusion.size()) + " normal studies; expected at least 3");
   NormalMap normal;
-  normal.grid = grid, normal.studies = static_cast<int>(perfusion.size());
+  normal.grid = grid, normal.studies = perfusion.size();
   normal.mean.resize(grid.size()), normal.sd.resize(grid.size());
   for (const PolarValues& map : perfusion) require_size(map.size(), grid.size(), "a map of a normal study");
   for (std::size_t n = 0; n < grid.size(); ++n) {

@@ -16,10 +16,10 @@ using Eigen::VectorXd;
 
 /// Weights with which samples make up the number of each segment: a row per sample, a column per segment.
 MatrixXd segment_weights(const Measures& m, const PolarValues& values) {
-  MatrixXd weights = MatrixXd::Zero(static_cast<Index>(m.grid.size()), static_cast<Index>(m.segments.size()));
+  MatrixXd weights = MatrixXd::Zero(m.grid.size(), m.segments.size());
   for (std::size_t n = 0; n < m.grid.size(); ++n) {
     const int s = segment_at(m.model, m.grid.point(n));
-    if (s > 0 && values[n]) weights(static_cast<Index>(n), s - 1) = m.area_mm2[n];
+    if (s > 0 && values[n]) weights(n, s - 1) = m.area_mm2[n];
   }
   for (Index s = 0; s < weights.cols(); ++s)
     if (const double sum = weights.col(s).sum(); sum > 0) weights.col(s) /= sum;
@@ -89,7 +89,7 @@ void perfusion_errors(Measures& m, const Wall& wall, int gate) {
   const std::vector<std::size_t> reference = reference_samples(percent, true);
   VectorXd whole = VectorXd::Zero(weights.rows());
   for (const std::size_t n : reference) whole[n] = *percent[n] / 100 / reference.size();
-  for (std::size_t n = 0; n < percent.size(); ++n) weights.row(static_cast<Index>(n)) *= percent[n].value_or(0);
+  for (std::size_t n = 0; n < percent.size(); ++n) weights.row(n) *= percent[n].value_or(0);
   for (Index s = 0; s < weights.cols(); ++s) weights.col(s) -= m.segments[s].perfusion_percent.value_or(0) * whole;
   MatrixXd gradient = wall.nothing(weights.cols());
   wall.add_log_uptake(gate, weights, gradient);
@@ -132,7 +132,7 @@ void motion_errors(Measures& m, const Wall& wall) {
 
 /// Derivative of the onset by the values of the gates, degrees; empty for a curve that is flat.
 std::vector<double> onset_by_gate(const std::vector<double>& curve) {
-  const auto n = static_cast<double>(curve.size());
+  const double n = curve.size();
   double a = 0, b = 0;
   for (std::size_t g = 0; g < curve.size(); ++g) {
     const double angle = 2 * M_PI * (g + 0.5) / n;
@@ -162,7 +162,7 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
   const WallMap& rest = wall.map(m.ed_gate);
   for (std::size_t n = 0; n < curves.size(); ++n)
     for (std::size_t g = 0; phases[n] && g < gates; ++g) {
-      const WallMap& now = wall.map(static_cast<int>(g));
+      const WallMap& now = wall.map(g);
       curves[n].push_back(onset.is_motion ? (*rest.endo[n] - *now.endo[n]).dot(rest.outwards[n])
                                           : *now.thickness_mm[n]);
     }
@@ -171,8 +171,7 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
   std::vector<std::vector<double>> of_segment(segments, std::vector<double>(gates, 0.0));
   for (std::size_t n = 0; n < curves.size(); ++n)
     for (Index s = 0; s < segments; ++s)
-      for (std::size_t g = 0; g < curves[n].size(); ++g)
-        of_segment[s][g] += weights(static_cast<Index>(n), s) * curves[n][g];
+      for (std::size_t g = 0; g < curves[n].size(); ++g) of_segment[s][g] += weights(n, s) * curves[n][g];
   for (auto& curve : of_segment) curve = onset_by_gate(curve);
   for (auto& curve : curves) curve = onset_by_gate(curve);
 
@@ -187,12 +186,12 @@ void onset_errors(Measures& m, const Wall& wall, const Onset& onset) {
     if (summary && summary->sd_deg > 0)
       for (std::size_t n = 0; n < curves.size(); ++n)
         if (!curves[n].empty())
-          by_value(static_cast<Index>(n), segments) = curves[n][g] * m.area_mm2[n] / area / summary->sd_deg *
-                                                      std::remainder(*phases[n] - summary->mean_deg, 360.0);
+          by_value(n, segments) = curves[n][g] * m.area_mm2[n] / area / summary->sd_deg *
+                                  std::remainder(*phases[n] - summary->mean_deg, 360.0);
     if (onset.is_motion)
-      wall.add_place(static_cast<int>(g), -by_value, false, gradient);
+      wall.add_place(g, -by_value, false, gradient);
     else
-      wall.add_thickness(static_cast<int>(g), by_value, gradient);
+      wall.add_thickness(g, by_value, gradient);
   }
   constexpr double unknown_deg = 60;  // so unsure that the angle means nothing
   const VectorXd sd = wall.sd(gradient);

@@ -7,6 +7,7 @@
 
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -36,7 +37,7 @@ Frame frame_of(const std::vector<Vec3>& rest, const LongAxis& axis) {
   f.up = (axis.base - axis.apex) / f.length_mm;
   for (std::size_t n = 0; n < rest.size(); ++n) {
     f.height_mm.push_back((rest[n] - f.apex).dot(f.up));
-    const int third = static_cast<int>(std::floor(3 * f.height_mm[n] / f.length_mm));
+    const int third = floor_int(3 * f.height_mm[n] / f.length_mm);
     f.in_level[std::clamp(third, 0, 2)].push_back(n);
   }
   return f;
@@ -135,7 +136,7 @@ GateMotion measure_gate(const Frame& f, const std::vector<Vec3>& rest, const std
     if (members.size() < least_in_level) continue;
     const Turn turn = turn_of(f, members, rest, now);
     LevelMotion& of = gate.levels[level].emplace();
-    of.points = static_cast<int>(members.size());
+    of.points = members.size();
     of.rotation_deg = turn.rotation / degrees;
     of.strains = mean_of(strains, members);
     double sum = 0;
@@ -188,8 +189,7 @@ TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, 
   });
   result.spacing_mm = spacing_of(rest);
   for (std::size_t g = 0; g < result.gates.size(); ++g)
-    if (std::abs(result.gates[g].twist_deg) > std::abs(result.gates[result.peak_gate].twist_deg))
-      result.peak_gate = static_cast<int>(g);
+    if (std::abs(result.gates[g].twist_deg) > std::abs(result.gates[result.peak_gate].twist_deg)) result.peak_gate = g;
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -20,7 +21,7 @@ double wrapped(double phase) { return phase - std::floor(phase); }
 template <class F>
 double where_largest(double from, double length, const F& value) {
   double best = from, largest = value(from);
-  const int steps = std::max(1, static_cast<int>(std::lround(length * instants)));
+  const int steps = std::max(1, round_int(length * instants));
   for (int n = 1; n <= steps; ++n) {
     const double phase = from + length * n / steps;
     if (const double v = value(phase); v > largest) largest = v, best = phase;
@@ -30,7 +31,7 @@ double where_largest(double from, double length, const F& value) {
 
 double residual(const PeriodicCurve& curve, std::span<const double> values) {
   double squares = 0;
-  const auto n = static_cast<double>(values.size());
+  const double n = values.size();
   for (std::size_t g = 0; g < values.size(); ++g) {
     // The volume of a gate is that of its middle.
     const double miss = values[g] - curve.at((g + 0.5) / n);
@@ -86,7 +87,7 @@ double PeriodicCurve::slope(double phase) const {
 PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
   PeriodicCurve curve;
   if (values.empty()) return curve;
-  const auto n = static_cast<double>(values.size());
+  const double n = values.size();
   curve.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
   // Waves sampled evenly over the whole beat are orthogonal, so each is fitted by itself.
   const int most = (static_cast<int>(values.size()) - 1) / 2;
@@ -115,7 +116,7 @@ std::optional<VolumeCurveFit> fit_volume_curve(std::span<const double> cavity_ml
   if (!std::all_of(cavity_ml.begin(), cavity_ml.end(), [](double v) { return std::isfinite(v); })) return std::nullopt;
   VolumeCurveFit f;
   f.curve = fit_periodic(cavity_ml, waves);
-  f.waves = static_cast<int>(f.curve.cosine.size());
+  f.waves = f.curve.cosine.size();
   const auto extremes = [](const PeriodicCurve& curve) {
     return std::pair(where_largest(0, 1, [&](double t) { return curve.at(t); }),
                      where_largest(0, 1, [&](double t) { return -curve.at(t); }));
@@ -128,7 +129,7 @@ std::optional<VolumeCurveFit> fit_volume_curve(std::span<const double> cavity_ml
   f.residual_ml = residual(f.curve, cavity_ml);
   measure_rates(f);
 
-  const PeriodicCurve instant = without_gate_averaging(f.curve, static_cast<int>(cavity_ml.size()));
+  const PeriodicCurve instant = without_gate_averaging(f.curve, cavity_ml.size());
   const auto [instant_ed, instant_es] = extremes(instant);
   f.instant_edv_ml = instant.at(instant_ed), f.instant_esv_ml = instant.at(instant_es);
   f.instant_ef_percent = ef_of(f.instant_edv_ml, f.instant_esv_ml);

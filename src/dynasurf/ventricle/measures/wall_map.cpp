@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
@@ -37,7 +38,7 @@ double uptake_at(const mesh::RayHit& hit, const WallSide& side) {
 double brightest(const Image& image, const Vec3& origin, const Vec3& direction, double from, double to) {
   constexpr double step_mm = 1;
   const Vec3 start = to_grid(image.grid, origin), way = image.grid.direction.transpose() * direction;
-  const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / step_mm)));
+  const int steps = std::max(1, ceil_int((to - from) / step_mm));
   double best = -std::numeric_limits<double>::infinity();
   for (int n = 0; n <= steps; ++n)
     best = std::max(best, image::sample_cubic(image, start + (from + (to - from) * n / steps) * way));

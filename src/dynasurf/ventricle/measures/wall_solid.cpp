@@ -15,10 +15,10 @@ namespace {
 /// run counter-clockwise seen from the apex.
 std::vector<std::array<std::uint32_t, 3>> cap_triangles(int rings, int sectors) {
   const auto vertex = [&](int ring, int sector) {
-    return ring == 0 ? 0u : static_cast<std::uint32_t>(1 + (ring - 1) * sectors + sector % sectors);
+    return ring == 0 ? 0u : 1 + (ring - 1) * sectors + sector % sectors;
   };
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  triangles.reserve(static_cast<std::size_t>(sectors) * static_cast<std::size_t>(2 * rings - 1));
+  triangles.reserve(sectors * (2 * rings - 1));
   for (int s = 0; s < sectors; ++s) triangles.push_back({0u, vertex(1, s), vertex(1, s + 1)});
   for (int r = 1; r < rings; ++r)
     for (int s = 0; s < sectors; ++s) {
