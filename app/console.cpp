@@ -31,6 +31,11 @@ bool write_all(int descriptor, std::string_view text) {
   return true;
 }
 
+/// Characters of UTF-8: all bytes but those that continue one (10xxxxxx).
+std::size_t characters_of(const std::string& text) {
+  return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; });
+}
+
 bool output_was_closed = false;
 
 }  // namespace
@@ -72,13 +77,13 @@ std::string table(const std::vector<std::vector<std::string>>& rows, const std::
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], characters_of(row[c]));
   }
   std::string text;
   for (const auto& row : rows) {
     std::string line;
     for (std::size_t c = 0; c < row.size(); ++c) {
-      const std::string padding(widths[c] - row[c].size(), ' ');
+      const std::string padding(widths[c] - characters_of(row[c]), ' ');
       const bool is_left = std::find(left.begin(), left.end(), c) != left.end();
       line += (c == 0 ? "" : "  ") + (is_left ? row[c] + padding : padding + row[c]);
     }

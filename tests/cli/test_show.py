@@ -104,6 +104,9 @@ class Show(CliTest):
         history, border = "g01_history_epi.csv", "g01_border_epi.nrrd"
         (stages / history).write_text("step,a,b,c,d\n1,2,three,4,5\n")
         refused("histogram", history, "line 2")
+        for row in ("1,2,3,4,5,6", "1,2,3,4,1234567890", "1,2,3,4,5 of them"):
+            (stages / history).write_text(f"step,a,b,c,d\n{row}\n")
+            refused("histogram", history, "line 2: expected five numbers")
         (stages / history).write_text("step,a,b,c,d\n1,0,0,0,0\n")
         refused("histogram", history, "without particles")
         (stages / history).unlink()

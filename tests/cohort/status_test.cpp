@@ -83,6 +83,16 @@ TEST_F(Status, TellsTheLastRowOfAStudy) {
   EXPECT_EQ(read.at("p1").wall_s, 1.25);
 }
 
+TEST_F(Status, CutsALongReasonBetweenCharacters) {
+  StatusFile status(folder() / "status.tsv");
+  StudyStatus row = row_of("p1");
+  row.reason = "x";
+  for (int n = 0; n < 1500; ++n) row.reason += "é";
+  status.append(row);
+  const std::string kept = read_status(folder() / "status.tsv").at("p1").reason;
+  EXPECT_EQ(kept, row.reason.substr(0, 1999));
+}
+
 TEST_F(Status, LosesNothingOfManyWriters) {
   constexpr int writers = 8, rows = 100;
   StatusFile mine(folder() / "status.tsv");

@@ -101,6 +101,7 @@ TEST_F(StudyTable, IsRefusedInOneLineThatNamesThePlace) {
   expect("a.jsonl", "[1]\n", "line 1: is no object");
   expect("a.jsonl", "{\"path\": [1]}\n", "is a list or an object");
   expect("a.jsonl", "{\"path\": \"a\",}\n", "line 1");
+  expect("a.jsonl", "{\"path\": \"a\", \"\": \"b\"}\n", "expected a name of letters");
 }
 
 }  // namespace

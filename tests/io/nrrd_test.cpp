@@ -111,6 +111,12 @@ TEST_F(NrrdFile, ReadsTypesByteOrdersAndEncodings) {
             (std::vector<float>{1, 2, 255}));
   EXPECT_EQ(read(with(one_row, "type: short", "type: double") + "\n" + raw<double>({0.5, -1, 1e6})).gates[0].values,
             (std::vector<float>{0.5, -1, 1e6}));
+  const std::string longest = raw<std::int64_t>({1, 2, 3});
+  for (const std::string sign : {"", "signed ", "unsigned "})
+    for (const std::string type : {"long long", "long long int"})
+      EXPECT_EQ(read(with(one_row, "type: short", "type: " + sign + type) + "\n" + longest).gates[0].values,
+                (std::vector<float>{1, 2, 3}))
+          << sign << type;
 }
 
 TEST_F(NrrdFile, ReadsADetachedHeader) {

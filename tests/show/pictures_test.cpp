@@ -247,6 +247,14 @@ TEST(Curves, HaveABandAsWideAsTheInterval) {
   EXPECT_NEAR(spot_of(picture, ink_of::endo, Panel{180, 56, 40, 330}).y + 0.5, 386 - 50 / 63.0 * 330, 1.2);
 }
 
+TEST(Curves, AreDrawnAsFarAsTheirTimesAreKnown) {
+  const std::vector<double> time{0, 100};
+  const NamedCurve curve{"volume", {50, 50, 50}, {10, 10, 10}, ink_of::endo},
+      known{"volume", {50, 50}, {10, 10}, ink_of::endo};
+  EXPECT_EQ(draw_curves(time, "ms", {&curve, 1}, "").pixels().pixels,
+            draw_curves(time, "ms", {&known, 1}, "").pixels().pixels);
+}
+
 TEST(Evolution, ParticlesThatStoppedAreRed) {
   EvolutionFrame frame{3, mesh::icosphere(2), std::vector<bool>(162)};
   for (Vec3& p : frame.mesh.vertices) p = Vec3::Constant(10) + 8 * p;

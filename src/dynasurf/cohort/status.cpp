@@ -32,11 +32,11 @@ std::string number_text(double value) {
 }
 
 std::string line_of(const StudyStatus& row) {
-  const std::string reason = detail::tsv_cell(row.reason).substr(0, 2000);
+  const std::string reason = detail::cut(detail::tsv_cell(row.reason), 2000);
   std::string line = row.id + "\t" + (row.done ? "done" : "failed") + "\t" + row.verdict + "\t" + reason + "\t" +
                      std::to_string(row.attempts) + "\t" + row.started + "\t" + number_text(row.wall_s) + "\t" +
                      number_text(row.cpu_s) + "\t" + number_text(row.peak_mb) + "\t" + row.input_sha256 + "\t" +
-                     row.input_stamp + "\t" + row.settings + "\t" + detail::tsv_cell(row.host).substr(0, 200) + "\n";
+                     row.input_stamp + "\t" + row.settings + "\t" + detail::cut(detail::tsv_cell(row.host), 200) + "\n";
   if (line.size() > longest_row) throw IoError("a row of status.tsv is too long");
   return line;
 }
@@ -122,7 +122,7 @@ StatusFile::StatusFile(const std::filesystem::path& path)
 void StatusFile::read_locked() {
   struct stat status {};
   if (::fstat(file_.fd, &status) != 0) io::staging::fail(path_, "look at this file", errno);
-  const auto size = static_cast<std::uint64_t>(status.st_size);
+  const std::uint64_t size = status.st_size;
   std::string text(size > read_bytes_ ? size - read_bytes_ : 0, '\0');
   for (std::size_t got = 0; got < text.size();) {
     const ssize_t part = ::pread(file_.fd, text.data() + got, text.size() - got, static_cast<off_t>(read_bytes_ + got));

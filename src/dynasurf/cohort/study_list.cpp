@@ -31,7 +31,8 @@ bool is_id(const std::string& id) {
 }
 
 bool is_column_name(const std::string& name) {
-  return name.size() <= 64 && is_letter_or_digit(name.front()) && (name.front() < '0' || name.front() > '9') &&
+  return !name.empty() && name.size() <= 64 && is_letter_or_digit(name.front()) &&
+         (name.front() < '0' || name.front() > '9') &&
          std::all_of(name.begin(), name.end(), [](char c) { return is_letter_or_digit(c) || c == '_'; });
 }
 
@@ -167,10 +168,9 @@ std::string study_list_text(const StudyList& list) {
     if (detail::tsv_cell(path) != path)
       throw InputError(path + ": holds a control character, which no table can; expected another name");
     std::string fwhm(32, '\0');
-    fwhm.resize(study.fwhm_mm
-                    ? static_cast<std::size_t>(
-                          std::to_chars(fwhm.data(), fwhm.data() + fwhm.size(), *study.fwhm_mm).ptr - fwhm.data())
-                    : 0);
+    const char* const end =
+        study.fwhm_mm ? std::to_chars(fwhm.data(), fwhm.data() + fwhm.size(), *study.fwhm_mm).ptr : fwhm.data();
+    fwhm.resize(end - fwhm.data());
     text += study.id + "\t" + path + "\t" + study.series + "\t" + fwhm;
     std::string options;
     for (const std::string& word : study.options) options += (options.empty() ? "" : " ") + word;

@@ -159,4 +159,11 @@ std::string tsv_cell(std::string_view text) {
   return cell;
 }
 
+std::string cut(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return std::string(text);
+  // Bytes 10xxxxxx continue a character: none of them may come first behind the end.
+  while (most > 0 && (text[most] & 0xc0) == 0x80) --most;
+  return std::string(text.substr(0, most));
+}
+
 }  // namespace dynasurf::cohort::detail

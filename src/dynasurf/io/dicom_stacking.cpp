@@ -18,10 +18,10 @@ bool is_same_grid(const Grid& a, const Grid& b) {
 std::string reason_to_refuse(const DicomImage& image) {
   const std::string& kind = image.kind();
   if (image.sop_class.rfind("1.2.840.10008.5.1.4.1.1.", 0) == 0) {
-    // Storage classes: Enhanced MR, CT, PET and MR Color and Legacy Converted Enhanced PET keep the places of their
-    // frames in functional groups; 7 and its kin are Secondary Capture.
+    // Storage classes: Enhanced MR, CT, PET and MR Color and Legacy Converted Enhanced CT, MR and PET keep the places
+    // of their frames in functional groups; 7 and its kin are Secondary Capture.
     const std::string of = image.sop_class.substr(24);
-    if (of == "4.1" || of == "2.1" || of == "130" || of == "4.3" || of == "128.1")
+    if (of == "4.1" || of == "2.1" || of == "130" || of == "4.3" || of == "2.2" || of == "4.4" || of == "128.1")
       return "is an Enhanced multi-frame image, which is not read; convert it to single-frame files or NIfTI first";
     if (of == "7" || of.rfind("7.", 0) == 0)
       return "is a screen capture, not image data; give the reconstructed slices";
@@ -75,7 +75,7 @@ std::optional<DicomStack> joined_gates(const std::vector<DicomImage>& images, st
     if (by_value.size() != stacks.size()) continue;
     DicomStack whole = stacks.front();
     whole.frames.clear();
-    whole.gates = static_cast<int>(stacks.size());
+    whole.gates = stacks.size();
     std::vector<double> values;
     for (const auto& [v, n] : by_value) {
       values.push_back(v);

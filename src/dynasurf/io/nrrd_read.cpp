@@ -42,9 +42,14 @@ SampleType sample_type(const NrrdHeader& header) {
                                                           {"uint32", SampleType::uint32},
                                                           {"uint32_t", SampleType::uint32},
                                                           {"longlong", SampleType::int64},
+                                                          {"longlongint", SampleType::int64},
+                                                          {"signedlonglong", SampleType::int64},
+                                                          {"signedlonglongint", SampleType::int64},
                                                           {"int64", SampleType::int64},
                                                           {"int64_t", SampleType::int64},
                                                           {"ulonglong", SampleType::uint64},
+                                                          {"unsignedlonglong", SampleType::uint64},
+                                                          {"unsignedlonglongint", SampleType::uint64},
                                                           {"uint64", SampleType::uint64},
                                                           {"uint64_t", SampleType::uint64},
                                                           {"float", SampleType::float32},
@@ -130,8 +135,8 @@ Axes axes_of(const NrrdHeader& header) {
     (static_cast<int>(a) == axes.list_axis ? extent[3] : extent[next++]) = n;
   }
   check_study_size(extent[0], extent[1], extent[2], extent[3], header.where);
-  for (std::size_t a = 0; a < 3; ++a) axes.dims[a] = static_cast<int>(extent[a]);
-  axes.gates = static_cast<int>(extent[3]);
+  for (std::size_t a = 0; a < 3; ++a) axes.dims[a] = extent[a];
+  axes.gates = extent[3];
   if (const auto kinds = header.find("kinds")) {
     const auto names = words(lower(*kinds));
     if (names.size() != rank) header.refuse("kinds", "one word per axis");
@@ -288,7 +293,7 @@ int number_of_segment(const NrrdHeader& header, std::size_t segment, const char*
 void read_segmentation(Study& study, const NrrdHeader& header) {
   const auto has_segment = [&](std::size_t n) { return header.keys.count("Segment" + std::to_string(n) + "_ID") > 0; };
   if (!has_segment(0)) return;
-  const int layers = static_cast<int>(study.gates.size());
+  const int layers = study.gates.size();
   std::map<std::pair<int, float>, int> segments;  // layer and value -> number from 1
   std::map<int, int> values;                      // value -> how many segments have it
   int count = 0;
@@ -311,7 +316,7 @@ void read_segmentation(Study& study, const NrrdHeader& header) {
         const auto it = segments.find({layer, image.values[v]});
         if (it == segments.end() || it->second < top[v]) continue;
         top[v] = it->second;
-        study.gates[0].values[v] = keeps_values ? image.values[v] : static_cast<float>(it->second);
+        study.gates[0].values[v] = keeps_values ? image.values[v] : it->second;
       }
     }
     for (std::size_t v = 0; v < top.size(); ++v)

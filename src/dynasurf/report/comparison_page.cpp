@@ -7,11 +7,13 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/io/detail/vtk_xml.hpp"
 #include "dynasurf/report/detail/numbers.hpp"
+#include "dynasurf/report/detail/page_parts.hpp"
 #include "dynasurf/report/measures.hpp"
 
 namespace dynasurf::report {
 namespace {
 
+using detail::Bytes;
 using detail::Json;
 using detail::text_of;
 
@@ -42,18 +44,6 @@ figure { margin: 4px 0; } figcaption { font-weight: 600; } figure img { width: 1
   figure img { width: auto; max-width: 100%; max-height: 44mm; } }
 )";
 
-std::string base64(const std::string& bytes) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t n = 0; n < bytes.size(); n += 3) {
-    std::uint32_t three = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      three = three << 8 | (n + k < bytes.size() ? static_cast<unsigned char>(bytes[n + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += n + k > bytes.size() ? '=' : digits[three >> (18 - 6 * k) & 63U];
-  }
-  return text;
-}
-
 /// The slices of both studies one above the other, as they are read.
 std::string slices(const ComparedStudy& rest, const ComparedStudy& stress) {
   constexpr std::string_view png_magic = "\x89PNG";
@@ -62,7 +52,8 @@ std::string slices(const ComparedStudy& rest, const ComparedStudy& stress) {
     // A file of the result folder may be anything; only a PNG goes into the page.
     if (!study->splash_png.starts_with(png_magic)) continue;
     html += std::string("<figure><figcaption>") + name + "</figcaption><img alt=\"Slices of the " + name +
-            " study\" src=\"data:image/png;base64," + base64(study->splash_png) + "\"></figure>\n";
+            " study\" src=\"data:image/png;base64," +
+            detail::base64(Bytes(study->splash_png.begin(), study->splash_png.end())) + "\"></figure>\n";
   }
   return html.empty() ? html
                       : "<h2>Slices from apex to base, inner wall blue, outer wall orange; end diastole above, end "

@@ -9,6 +9,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 
@@ -182,6 +183,7 @@ void Canvas::raster(const io::Picture& picture, const Panel& box, bool blended) 
   cairo_translate(c, box.x, box.y);
   cairo_scale(c, box.width / picture.width, box.height / picture.height);
   cairo_set_source_surface(c, image.get(), 0, 0);
+  check(cairo_status(c));  // of a failed context the source is no pattern of its own
   cairo_pattern_set_filter(cairo_get_source(c), blended ? CAIRO_FILTER_BILINEAR : CAIRO_FILTER_NEAREST);
   // Blending takes neighbours from beyond the picture: PAD repeats its rim, where the default is transparent.
   cairo_pattern_set_extend(cairo_get_source(c), CAIRO_EXTEND_PAD);
@@ -200,8 +202,9 @@ void Canvas::clip(const Panel& box) {
 void Canvas::unclip() { cairo_restore(state_->context.get()); }
 
 io::Picture Canvas::pixels(double scale) const {
-  const int w = std::max(1, static_cast<int>(std::lround(width_ * scale)));
-  const int h = std::max(1, static_cast<int>(std::lround(height_ * scale)));
+  check(cairo_status(state_->context.get()));  // lines and areas do not look: a drawing is whole or an error
+  const int w = std::max(1, round_int(width_ * scale));
+  const int h = std::max(1, round_int(height_ * scale));
   const Surface2d image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, w, h));
   const Context context(cairo_create(image.get()));
   cairo_scale(context.get(), scale, scale);
@@ -223,10 +226,16 @@ io::Picture Canvas::pixels(double scale) const {
 }
 
 std::string Canvas::svg() const {
+  check(cairo_status(state_->context.get()));
   std::string text;
   const auto append = [](void* to, const unsigned char* bytes, unsigned int count) {
-    static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(bytes), count);
-    return CAIRO_STATUS_SUCCESS;
+    // No exception may pass through cairo, which is C.
+    try {
+      static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(bytes), count);
+      return CAIRO_STATUS_SUCCESS;
+    } catch (const std::bad_alloc&) {
+      return CAIRO_STATUS_NO_MEMORY;
+    }
   };
   const Surface2d surface(cairo_svg_surface_create_for_stream(append, &text, width_, height_));
   {

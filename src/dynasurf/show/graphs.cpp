@@ -85,12 +85,13 @@ Canvas draw_curves(std::span<const double> time, const std::string& time_label, 
   std::vector<LegendEntry> entries;
   for (const NamedCurve& c : curves) {
     std::vector<Vec2> line, band;
-    for (std::size_t n = 0; n < c.value.size() && n < time.size(); ++n)
+    const std::size_t instants = std::min(c.value.size(), time.size());
+    for (std::size_t n = 0; n < instants; ++n)
       if (std::isfinite(c.value[n])) line.emplace_back(time[n], c.value[n]);
     if (c.half_width.size() == c.value.size()) {
       // One polygon: along the upper ends of the intervals, and back along the lower ones.
-      for (std::size_t n = 0; n < c.value.size(); ++n) band.push_back(axes.at(time[n], c.value[n] + c.half_width[n]));
-      for (std::size_t n = c.value.size(); n > 0;) {
+      for (std::size_t n = 0; n < instants; ++n) band.push_back(axes.at(time[n], c.value[n] + c.half_width[n]));
+      for (std::size_t n = instants; n > 0;) {
         --n;
         band.push_back(axes.at(time[n], c.value[n] - c.half_width[n]));
       }

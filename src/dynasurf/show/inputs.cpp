@@ -51,9 +51,12 @@ std::vector<std::array<int, 4>> histories_in(const fs::path& file) {
   while (std::getline(in, line)) {
     std::array<int, 4> counts{};
     int step = 0;
-    // Nine digits fit an int; what sscanf makes of a number that does not is undefined.
-    if (std::sscanf(line.c_str(), "%9d,%9d,%9d,%9d,%9d", &step, &counts[0], &counts[1], &counts[2], &counts[3]) != 5 ||
-        step != static_cast<int>(histories.size()) + 1)
+    int end = 0;
+    // Nine digits fit an int; what sscanf makes of a number that does not is undefined. What is left of a longer one is
+    // more than five numbers.
+    if (std::sscanf(line.c_str(), "%9d,%9d,%9d,%9d,%9d %n", &step, &counts[0], &counts[1], &counts[2], &counts[3],
+                    &end) != 5 ||
+        line.begin() + end != line.end() || step != static_cast<int>(histories.size()) + 1)
       throw InputError(file.string() + ": line " + std::to_string(histories.size() + 2) + ": expected five numbers");
     histories.push_back(counts);
   }

@@ -1,5 +1,6 @@
 #include "dynasurf/synthetic/detail/random.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
@@ -63,8 +64,9 @@ std::uint64_t Random::next() {
   return scramble(state_);
 }
 
-// The middle of one of 2^53 equal parts: 0, which has no logarithm, never comes out.
-double Random::uniform() { return ((next() >> 11) + 0.5) * 0x1.0p-53; }
+// The middle of one of 2^53 equal parts: 0, which has no logarithm, never comes out. The middle of the last part is no
+// double and would be rounded to 1.
+double Random::uniform() { return std::min(((next() >> 11) + 0.5) * 0x1.0p-53, 1 - 0x1.0p-53); }
 
 double Random::normal() {
   for (;;) {

@@ -24,5 +24,7 @@ TextTable parse_json_lines(std::string_view text, const std::string& name);
 
 /// The text with every tab, line break and control character as a blank: what a cell of TSV may hold.
 std::string tsv_cell(std::string_view text);
+/// The beginning of a UTF-8 text: at most so many bytes, the last character whole.
+std::string cut(std::string_view text, std::size_t most);
 
 }  // namespace dynasurf::cohort::detail
