@@ -24,8 +24,11 @@ namespace dynasurf {
 #if defined(__SANITIZE_THREAD__)
 /// The thread sanitizer does not see how oneTBB, which is not compiled with it, hands work from thread to thread, and
 /// would call every piece a race. Here the pieces run on threads of their own, and what it then sees is the pieces.
+/// More threads than processors show more races; only a limit of one thread holds.
 void detail::run_pieces(std::size_t pieces, const std::function<void(std::size_t)>& piece) {
-  constexpr std::size_t most_threads = 4;
+  using oneapi::tbb::global_control;
+  const bool is_alone = global_control::active_value(global_control::max_allowed_parallelism) == 1;
+  const std::size_t most_threads = is_alone ? 1 : 4;
   std::atomic<std::size_t> next{0};
   std::exception_ptr failure;
   std::mutex guard;
