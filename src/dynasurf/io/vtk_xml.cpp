@@ -31,6 +31,7 @@ std::string VtkXml::array(std::string_view name, int components, std::span<const
                                     : std::is_same_v<T, std::uint8_t> ? "UInt8"
                                                                       : "Int64";
   const std::size_t offset = appended_.size();
+  // The file says UInt64, also where sizes have 32 bits.
   append(appended_, static_cast<std::uint64_t>(values.size_bytes()));
   appended_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
   return "<DataArray type=\"" + std::string(type) + "\" Name=\"" + xml_text(name) + "\" NumberOfComponents=\"" +
