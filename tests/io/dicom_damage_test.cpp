@@ -61,8 +61,9 @@ TEST_F(DicomFile, ThatIsNoReconstructedStackIsRefusedSayingWhatItIs) {
   EXPECT_THAT(refusal([](DcmDataset& d) { drop(d, DCM_ImageType); }), HasSubstr("value 3 of ImageType"));
   EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_Modality, "US"); }),
               HasSubstr("not of modality NM, PT, MR or CT"));
-  EXPECT_THAT(refusal([](DcmDataset& d) { put(d, DCM_SOPClassUID, UID_EnhancedPETImageStorage); }),
-              HasSubstr("Enhanced"));
+  for (const char* kind : {UID_EnhancedPETImageStorage, UID_LegacyConvertedEnhancedCTImageStorage,
+                           UID_LegacyConvertedEnhancedMRImageStorage})
+    EXPECT_THAT(refusal([&](DcmDataset& d) { put(d, DCM_SOPClassUID, kind); }), HasSubstr("Enhanced")) << kind;
   EXPECT_THAT(
       refusal([](DcmDataset& d) { put(d, DCM_SOPClassUID, UID_MultiframeTrueColorSecondaryCaptureImageStorage); }),
       HasSubstr("screen capture"));

@@ -243,8 +243,7 @@ struct Fitting {
   const Facts& facts;
 
   void make(mesh::SurfaceEditor& surface, int triangles) const {
-    const std::size_t count = triangles;
-    make_level(surface, count, fine, on_fine, points, plan_of(options, facts, count));
+    make_level(surface, triangles, fine, on_fine, points, plan_of(options, facts, triangles));
   }
 };
 

@@ -30,19 +30,16 @@ int groups(const Block& block, std::uint8_t kind) {
   std::array<std::uint8_t, 27> seen{};
   int count = 0;
   for (int start = 0; start < 27; ++start) {
-    const std::size_t first = start;
-    if (start == 13 || block[first] != kind || seen[first] || (inside && reach_of(start) != 1)) continue;
+    if (start == 13 || block[start] != kind || seen[start] || (inside && reach_of(start) != 1)) continue;
     ++count;
     std::array<int, 27> stack{start};
     std::size_t depth = 1;
-    seen[first] = 1;
+    seen[start] = 1;
     while (depth > 0) {
       const int from = stack[--depth];
       for (int n = 0; n < 27; ++n) {
-        const std::size_t at = n;
-        if (n == 13 || block[at] != kind || seen[at] || (inside && reach_of(n) == 3) || !touch(from, n, inside))
-          continue;
-        seen[at] = 1;
+        if (n == 13 || block[n] != kind || seen[n] || (inside && reach_of(n) == 3) || !touch(from, n, inside)) continue;
+        seen[n] = 1;
         stack[depth++] = n;
       }
     }

@@ -27,9 +27,8 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
   for (int a = 0; a < 3; ++a) {
     from[a] = from_mm[a] * per_mm_[a] + 0.5;
     to[a] = to_mm[a] * per_mm_[a] + 0.5;
-    const std::size_t axis = a;
-    at[axis] = floor_to_int(from[a]);
-    last[axis] = floor_to_int(to[a]);
+    at[a] = floor_to_int(from[a]);
+    last[a] = floor_to_int(to[a]);
   }
   if (is_border(at)) return BorderHit{at, from_mm};
   if (at == last) return std::nullopt;
@@ -39,22 +38,20 @@ std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& 
   Index3 step{}, to_go{};
   Vec3 next, between;
   for (int a = 0; a < 3; ++a) {
-    const std::size_t axis = a;
     const double way = to[a] - from[a];
-    step[axis] = last[axis] > at[axis] ? 1 : -1;
-    to_go[axis] = std::abs(last[axis] - at[axis]);
-    if (to_go[axis] == 0) continue;
+    step[a] = last[a] > at[a] ? 1 : -1;
+    to_go[a] = std::abs(last[a] - at[a]);
+    if (to_go[a] == 0) continue;
     between[a] = 1 / std::abs(way);
-    next[a] = (at[axis] + (step[axis] > 0 ? 1 : 0) - from[a]) / way;
+    next[a] = (at[a] + (step[a] > 0 ? 1 : 0) - from[a]) / way;
   }
   while (to_go[0] + to_go[1] + to_go[2] > 0) {
     int axis = -1;
     for (int a = 0; a < 3; ++a)
       if (to_go[a] > 0 && (axis < 0 || next[a] < next[axis])) axis = a;
-    const std::size_t chosen = axis;
     const double share = std::clamp(next[axis], 0.0, 1.0);
-    at[chosen] += step[chosen];
-    --to_go[chosen];
+    at[axis] += step[axis];
+    --to_go[axis];
     next[axis] += between[axis];
     if (is_border(at)) return BorderHit{at, from_mm + share * (to_mm - from_mm)};
   }

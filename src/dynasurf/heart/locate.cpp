@@ -26,10 +26,9 @@ Image coarsened(const Image& image) {
   const Grid& from = image.grid;
   Grid grid = from;
   for (std::size_t a = 0; a < 3; ++a) {
-    const Eigen::Index axis = a;
-    const double length = from.spacing[axis] * (from.dims[a] - 1);
+    const double length = from.spacing[a] * (from.dims[a] - 1);
     grid.dims[a] = std::max(2, ceil_int(length / coarse_mm) + 1);
-    grid.spacing[axis] = coarse_mm;
+    grid.spacing[a] = coarse_mm;
   }
   const Image smooth = image::smooth_gaussian(image, smooth_mm);
   Image result(grid);

@@ -213,26 +213,24 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
     int best = -1;
     double worth = 0;
     for (int s = 1; s < 2 * steps; ++s) {
-      const std::size_t n = s;
-      if (!(profile[n] >= profile[n - 1] && profile[n] > profile[n + 1])) continue;
+      if (!(profile[s] >= profile[s - 1] && profile[s] > profile[s + 1])) continue;
       const double away = (s - steps) * step_mm / reach_mm;
-      const double near = profile[n] * own::exp(-away * away);
+      const double near = profile[s] * own::exp(-away * away);
       if (best < 0 || near > worth) best = s, worth = near;
     }
     RidgePoint point{at.position, profile[steps], 0, 0};
     if (best > 0) {
-      const std::size_t n = best;
-      const double bend = profile[n - 1] - 2 * profile[n] + profile[n + 1];
-      const double shift = bend < 0 ? 0.5 * (profile[n - 1] - profile[n + 1]) / bend : 0;
+      const double bend = profile[best - 1] - 2 * profile[best] + profile[best + 1];
+      const double shift = bend < 0 ? 0.5 * (profile[best - 1] - profile[best + 1]) / bend : 0;
       point.offset_mm = (best - steps + std::clamp(shift, -0.5, 0.5)) * step_mm;
       point.position = at.position + point.offset_mm * at.normal;
-      point.brightness = profile[n];
+      point.brightness = profile[best];
       const auto low = [&](std::size_t from, std::size_t to) {
         return *std::min_element(profile.begin() + from, profile.begin() + to + 1);
       };
       // Beyond its edge a volume repeats its last voxels; what is seen there is no wall.
       if (is_inside(image.grid, point.position))
-        point.prominence = point.brightness - std::max(low(0, n), low(n, profile.size() - 1));
+        point.prominence = point.brightness - std::max(low(0, best), low(best, profile.size() - 1));
     }
     ridge.push_back(point);
   };

@@ -200,9 +200,8 @@ std::vector<int> frames_by_place(const FrameLayout& layout, const DicomImage& im
                      " slices: some (gate, slice) pair is missing");
   std::vector<int> frame_at(places, -1);
   for (int f = 0; f < image.frames; ++f) {
-    const std::size_t n = f;
-    if (layout.rr[n] != rr || (layout.window && (*image.window_of_frame)[n] != *layout.window)) continue;
-    const int gate = layout.gate[n] - 1, slice = layout.slice[n] - 1;
+    if (layout.rr[f] != rr || (layout.window && (*image.window_of_frame)[f] != *layout.window)) continue;
+    const int gate = layout.gate[f] - 1, slice = layout.slice[f] - 1;
     int& at = frame_at[gate * static_cast<std::size_t>(layout.slices) + slice];
     if (at >= 0)
       throw InputError(image.where() + ": frames " + std::to_string(at + 1) + " and " + std::to_string(f + 1) +

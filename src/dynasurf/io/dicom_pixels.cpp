@@ -112,11 +112,10 @@ void read_dicom_frames(const DicomImage& image, const std::function<void(int, st
   const std::size_t sample = static_cast<std::size_t>(image.bits_allocated) / 8;
   std::vector<float> values(bytes.size() / sample);
   for (int f = 0; f < image.frames; ++f) {
-    const std::size_t n = f;
     if (outline.run_lengths)
-      read_packed(file, image, outline.fragments[n], f, bytes);
+      read_packed(file, image, outline.fragments[f], f, bytes);
     else
-      read_plain(file, *outline.pixels, outline.big_endian && outline.pixels_are_words, n * bytes.size(), bytes);
+      read_plain(file, *outline.pixels, outline.big_endian && outline.pixels_are_words, f * bytes.size(), bytes);
     for (std::size_t p = 0; p < values.size(); ++p) {
       std::uint32_t raw = std::to_integer<std::uint32_t>(bytes[p * sample]);
       if (sample == 2) raw |= std::to_integer<std::uint32_t>(bytes[p * sample + 1]) << 8;

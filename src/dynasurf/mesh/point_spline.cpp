@@ -19,7 +19,6 @@ PointSpline::PointSpline(std::span<const Vec3> rest, double smoothing) : rest_(r
     throw InputError("move_with_points: " + std::to_string(rest.size()) + " points; expected at least 4");
   require_finite(rest);
   const Eigen::Index n = rest.size();
-  const auto at = [](Eigen::Index i) { return i; };
   // Lengths near 1 keep the system well scaled.
   for (const Vec3& p : rest) middle_ += p / static_cast<double>(n);
   size_ = 0;
@@ -27,11 +26,11 @@ PointSpline::PointSpline(std::span<const Vec3> rest, double smoothing) : rest_(r
   const auto scaled = [&](const Vec3& p) -> Vec3 { return (p - middle_) / size_; };
   Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n + 4, n + 4);
   for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j < n; ++j) system(i, j) = (rest[at(i)] - rest[at(j)]).norm() / size_;
+    for (Eigen::Index j = 0; j < n; ++j) system(i, j) = (rest[i] - rest[j]).norm() / size_;
     system(i, i) -= smoothing / size_;  // |r| is conditionally negative
     system(i, n) = system(n, i) = 1;
-    system.block<1, 3>(i, n + 1) = scaled(rest[at(i)]).transpose();
-    system.block<3, 1>(n + 1, i) = scaled(rest[at(i)]);
+    system.block<1, 3>(i, n + 1) = scaled(rest[i]).transpose();
+    system.block<3, 1>(n + 1, i) = scaled(rest[i]);
   }
   constexpr double least_pivot = 1e-12;  // lengths are 1 or so
   if (size_ > 0) factor_.compute(system);

@@ -63,19 +63,18 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
   s.pixels = pixels;
   std::array<std::vector<double>, 3> fade;
   for (int a = 0; a < 3; ++a) {
-    const std::size_t axis = a;
-    const int joined = pixels.joined[axis], inside = pixels.count[axis];
+    const int joined = pixels.joined[a], inside = pixels.count[a];
     const double pitch = joined * pixels.spacing[a];
     const int room = ceil_int(room_mm / pitch);
-    s.before[axis] = std::min(room, pixels.first[axis] / joined);
-    const int after = std::min(room, (grid.dims[axis] - pixels.first[axis]) / joined - inside);
-    s.pixels.first[axis] -= s.before[axis] * joined;
-    s.pixels.count[axis] = s.before[axis] + inside + after;
-    s.size[axis] = power_of_two(s.pixels.count[axis]);
-    s.tables[axis] = make_fourier_table(s.size[axis]);
-    for (int n = 0; n < s.pixels.count[axis]; ++n) {
-      const int outside = std::max({0, s.before[axis] - n, n - s.before[axis] - inside + 1});
-      fade[axis].push_back(
+    s.before[a] = std::min(room, pixels.first[a] / joined);
+    const int after = std::min(room, (grid.dims[a] - pixels.first[a]) / joined - inside);
+    s.pixels.first[a] -= s.before[a] * joined;
+    s.pixels.count[a] = s.before[a] + inside + after;
+    s.size[a] = power_of_two(s.pixels.count[a]);
+    s.tables[a] = make_fourier_table(s.size[a]);
+    for (int n = 0; n < s.pixels.count[a]; ++n) {
+      const int outside = std::max({0, s.before[a] - n, n - s.before[a] - inside + 1});
+      fade[a].push_back(
           0.5 + 0.5 * own::cos(M_PI * std::clamp((outside * pitch - room_mm + fading_mm) / fading_mm, 0.0, 1.0)));
     }
   }
@@ -88,8 +87,7 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
         s.fade.push_back(fade[0][i] * fade[1][j] * fade[2][k]);
       }
   const auto frequency = [&](int a, int k) {
-    const std::size_t axis = a;
-    return (2 * k < s.size[axis] ? k : k - s.size[axis]) / (s.size[axis] * pixels.joined[axis] * pixels.spacing[a]);
+    return (2 * k < s.size[a] ? k : k - s.size[a]) / (s.size[a] * pixels.joined[a] * pixels.spacing[a]);
   };
   const double share = 1 / static_cast<double>(s.values());
   for (int k = 0; k < s.size[2]; ++k)

@@ -104,10 +104,9 @@ std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& s
   const Grid& grid = study.grid();
   for (int a = 0; a < 3; ++a) {
     const double room = 2.5 * fwhm_mm + 10;
-    const std::size_t axis = a;
-    around.first[axis] = std::max(0, floor_int((heart.low[a] - room) / grid.spacing[a]));
-    const int last = std::min(grid.dims[axis] - 1, ceil_int((heart.high[a] + room) / grid.spacing[a]));
-    around.count[axis] = std::max(1, last - around.first[axis] + 1);
+    around.first[a] = std::max(0, floor_int((heart.low[a] - room) / grid.spacing[a]));
+    const int last = std::min(grid.dims[a] - 1, ceil_int((heart.high[a] + room) / grid.spacing[a]));
+    around.count[a] = std::max(1, last - around.first[a] + 1);
   }
   Refiltered refiltered{with_gaussian_filter(study, *filter, sigma_mm, around), blur, {}};
   refiltered.blur.fwhm_mm = own::hypot(width_before(*filter, options), fwhm_mm);

@@ -173,8 +173,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
   const Grid& grid = study.grid();
   Index3 size;
   for (int a = 0; a < 3; ++a) {
-    const std::size_t axis = a;
-    size[axis] = power_of_two(box.count[axis] + ceil_int(1 / (filter.cutoff_per_mm * grid.spacing[a])));
+    size[a] = power_of_two(box.count[a] + ceil_int(1 / (filter.cutoff_per_mm * grid.spacing[a])));
   }
   const Tables tables = tables_for(size);
   std::vector<double> factor(product(size));

@@ -39,7 +39,6 @@ CellLattice lattice_around(const Bounds& box, const Pixels& pixels, double sigma
   }
   const double wanted = std::max(0.7 * sigma_mm, std::min(0.5 * finest, 2.0));
   for (int a = 0; a < 3; ++a) {
-    const std::size_t axis = a;
     // Sharp images want whole cells in every voxel, two in a joined one.
     constexpr double sharp_mm = 2.3;
     lattice.step[a] = 0.7 * sigma_mm > std::min(0.5 * finest, 2.0)
@@ -49,7 +48,7 @@ CellLattice lattice_around(const Bounds& box, const Pixels& pixels, double sigma
     const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
     const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
     lattice.start[a] = edge + (from + 0.5) * lattice.step[a];
-    lattice.count[axis] = std::max(1, static_cast<int>(to - from));
+    lattice.count[a] = std::max(1, static_cast<int>(to - from));
   }
   lattice.edge_mm = 0.5 * lattice.step.maxCoeff();
   if (sigma_mm > 0) lattice.edge_mm = std::min(lattice.edge_mm, 0.5 * sigma_mm);
@@ -169,7 +168,7 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   }
   measure_brightness(s, mean, margin);
   for (auto& values : p.values)
-    for (float& v : values) v = v / s.unit;
+    for (float& v : values) v /= s.unit;
   p.thickness = thickness_prior(start, degree, options);
   p.points = placed_points(start, degree);
   weigh_pixels(s, mean, blur, margin);

@@ -137,11 +137,10 @@ void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen
     Eigen::VectorXd column(unknowns);
     for (std::size_t j = begin; j < end; ++j)
       for (int g = 0; g < gates; ++g) {
-        const std::size_t at = g;
-        if (terms[at][j].empty()) continue;
+        if (terms[g][j].empty()) continue;
         column.setZero();
-        add_gradient(g, of_gates[at].col(j), column);
-        for (const Term& b : terms[at][j])
+        add_gradient(g, of_gates[g].col(j), column);
+        for (const Term& b : terms[g][j])
           // The lower triangle alone; the upper one is its mirror.
           of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
       }

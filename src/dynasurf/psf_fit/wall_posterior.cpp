@@ -32,14 +32,13 @@ Rays rays_through(const std::vector<std::optional<Vec3>>& points, const HeartFra
     for (std::size_t p = begin; p < end; ++p) {
       const auto& point = points[p];
       if (!point) continue;
-      const Eigen::Index n = p;
       const Vec3 heart = frame.to_heart(to_grid(grid, *point));
       real_spherical_harmonics(heart.cwiseQuotient(frame.scale).normalized(), degree, harmonics);
-      rays.harmonics.row(n) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());
-      rays.mm[n] = heart.norm();
-      const double inner = own::exp(3 * rays.harmonics.row(n).head(endo).dot(gate.segment(layout.endo, endo)));
-      const double muscle = own::exp(rays.harmonics.row(n).head(wall).dot(gate.segment(layout.wall, wall)));
-      rays.epi_by_endo[n] = inner / (inner + muscle), rays.epi_by_wall[n] = muscle / (3 * (inner + muscle));
+      rays.harmonics.row(p) = Eigen::Map<const Eigen::RowVectorXd>(harmonics.data(), rays.harmonics.cols());
+      rays.mm[p] = heart.norm();
+      const double inner = own::exp(3 * rays.harmonics.row(p).head(endo).dot(gate.segment(layout.endo, endo)));
+      const double muscle = own::exp(rays.harmonics.row(p).head(wall).dot(gate.segment(layout.wall, wall)));
+      rays.epi_by_endo[p] = inner / (inner + muscle), rays.epi_by_wall[p] = muscle / (3 * (inner + muscle));
     }
   });
   return rays;

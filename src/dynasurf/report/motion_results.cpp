@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/report/detail/json_parts.hpp"
 
 namespace dynasurf::report {
@@ -70,7 +71,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
   const std::size_t gates = curves[0].values.size();
   const auto x_of = [&](std::size_t g) { return text_of(left + width * g / std::max<std::size_t>(1, gates - 1), 1); };
   std::string svg = "<text class=\"head\" x=\"" + text_of(left, 0) + "\" y=\"14\">" + title + "</text>\n";
-  const int lines = std::lround((high - low) / step);
+  const int lines = round_int((high - low) / step);
   for (int n = 0; n <= lines; ++n) {
     const double v = low + n * step;
     svg += "<path d=\"M" + text_of(left, 0) + " " + y_of(v) + "h" + text_of(width, 0) + "\" stroke=\"" +

@@ -72,9 +72,9 @@ void write_splash(const ventricle::Result& result, const fs::path& folder) {
   std::vector<SplashRow> rows;
   for (const int gate : {ed, es}) {
     if (!rows.empty() && es == ed) break;
-    const std::size_t g = gate;
-    const auto& [endo, epi, base] = result.gates[g].surfaces;
-    if (endo || epi) rows.push_back({&result.study.gates[g], endo ? &endo->mesh : nullptr, epi ? &epi->mesh : nullptr});
+    const auto& [endo, epi, base] = result.gates[gate].surfaces;
+    if (endo || epi)
+      rows.push_back({&result.study.gates[gate], endo ? &endo->mesh : nullptr, epi ? &epi->mesh : nullptr});
   }
   if (!rows.empty()) io::write_png(draw_splash(rows), folder / "measures" / "splash.png");
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/dynamics/contour/detail/curvature.hpp"
 #include "dynasurf/show/detail/chart.hpp"
@@ -24,7 +25,7 @@ Cutout window_of(const Image& image, const Contour& a, const Contour& b) {
   Image around(image.grid);
   for (const Contour* contour : {&a, &b})
     for (const Vec2& p : contour->points) {
-      const int i = std::lround(p[0]), j = std::lround(p[1]);
+      const int i = round_int(p[0]), j = round_int(p[1]);
       if (image.grid.contains(i, j, 0)) around(i, j, 0) = 1;
     }
   return window_around(around, 5);

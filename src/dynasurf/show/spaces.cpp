@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -67,7 +68,7 @@ Canvas draw_field_3d(const field::VectorField& field, const Image& border, const
   for (const std::size_t n : voxels) low = low.cwiseMin(place_of(g, n)), top = top.cwiseMax(place_of(g, n));
   const Vec3 middle = 0.5 * (low + top);
   // Glyphs in the middle slice across y; lines from a box around the border.
-  const int j = std::lround(middle[1] / g.spacing[1]);
+  const int j = round_int(middle[1] / g.spacing[1]);
   for (int k = 0; k < g.dims[2]; ++k)
     for (int i = 0; i < g.dims[0]; i += 2) {
       const std::size_t n = g.index(i, j, k);

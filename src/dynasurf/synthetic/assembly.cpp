@@ -129,7 +129,7 @@ std::vector<Image> expose(std::vector<Image> activity, const Noise& noise) {
   const double scale = hottest > 0 ? peak / hottest : 1;
   for (std::size_t gate = 0; gate < activity.size(); ++gate) {
     Image& image = activity[gate];
-    for (float& value : image.values) value = value * scale;
+    for (float& value : image.values) value *= scale;
     if (noise.peak_counts > 0) {
       image = with_texture(image, draw_counts(image, noise.seed, gate), noise.texture);
       if (noise.filter_fwhm_mm > 0) image = blur(image, noise.filter_fwhm_mm);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
 
@@ -30,7 +31,7 @@ SliceLook look_at_slice(const Image& mean, int k, double peak) {
       brightest = std::max(brightest, v);
     }
   if (mass == 0) return {};
-  const int ci = std::lround(x / mass), cj = std::lround(y / mass);
+  const int ci = round_int(x / mass), cj = round_int(y / mass);
   double middle = 0;
   for (int dj = -1; dj <= 1; ++dj)
     for (int di = -1; di <= 1; ++di) middle += mean.clamped(ci + di, cj + dj, k) / 9.0;

@@ -24,8 +24,8 @@ double wall_brightness(const Image& image, const Circle& circle, int k) {
     // The brightest on each ray is the wall, wherever it lies; the circle is only known to enclose it.
     float brightest = 0;
     for (double r = 0; r <= circle.radius_px; r += 0.5)
-      brightest = std::max(brightest, image.clamped(std::lround(circle.x_px + r * own::cos(angle)),
-                                                    std::lround(circle.y_px + r * own::sin(angle)), k));
+      brightest = std::max(brightest, image.clamped(round_int(circle.x_px + r * own::cos(angle)),
+                                                    round_int(circle.y_px + r * own::sin(angle)), k));
     sum += brightest;
   }
   return sum / directions;
@@ -84,7 +84,7 @@ void fill_disc(Image& border, int k, const std::vector<int>& others) {
   for (int j = 0; j < border.grid.dims[1]; ++j)
     for (int i = 0; i < border.grid.dims[0]; ++i) {
       const double angle = own::atan2(j - y, i - x);
-      const auto d = static_cast<std::size_t>(round_int((angle / turn + 1) * directions) % directions);
+      const int d = round_int((angle / turn + 1) * directions) % directions;
       // Rounding must not leave the ring itself out.
       if (own::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
     }

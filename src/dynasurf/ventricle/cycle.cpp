@@ -65,8 +65,8 @@ RingLook look_around(const Image& image, const Mask& edges, const Circle& circle
     double outermost = 0;
     float brightest = 0;
     for (double r = 1; r <= circle.radius_px; r += 0.5) {
-      const int i = std::lround(circle.x_px + r * own::cos(angle));
-      const int j = std::lround(circle.y_px + r * own::sin(angle));
+      const int i = round_int(circle.x_px + r * own::cos(angle));
+      const int j = round_int(circle.y_px + r * own::sin(angle));
       if (!image.grid.contains(i, j, k)) break;
       brightest = std::max(brightest, image(i, j, k));
       if (edges(i, j, k) != 0) outermost = r;

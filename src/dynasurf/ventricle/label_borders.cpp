@@ -67,7 +67,7 @@ std::vector<bool> slices_with(const SliceEdges& edges) {
 void remove_endo_up_to(Mask& borders, int slice) {
   for (int k = 0; k <= slice; ++k)
     for (int j = 0; j < borders.grid.dims[1]; ++j)
-      for (int i = 0; i < borders.grid.dims[0]; ++i) borders(i, j, k) = borders(i, j, k) & ~Labels::endo_bit;
+      for (int i = 0; i < borders.grid.dims[0]; ++i) borders(i, j, k) &= ~Labels::endo_bit;
 }
 
 /// The longest run of slices for which something holds, as first and one past the last.

@@ -150,15 +150,14 @@ Study with_finer_pixels(const Study& study, const heart::LvShell& heart, double 
   const int parts = ceil_int(std::max(old.spacing[0], old.spacing[1]) / widest_mm - rounding);
   if (parts <= 1) return study;
   for (const std::size_t a : {std::size_t{0}, std::size_t{1}}) {
-    const Eigen::Index axis = a;
-    const double wide = old.spacing[axis];
+    const double wide = old.spacing[a];
     // Room for the heart wherever its axis runs through the stack.
-    const double reach = heart.radius_mm + room_across_mm + std::abs(cup.axis[axis]) * heart.half_length_mm;
-    const int first = std::clamp(floor_int((cup.middle()[axis] - reach) / wide), 0, old.dims[a] - 1);
-    const int last = std::clamp(ceil_int((cup.middle()[axis] + reach) / wide), first, old.dims[a] - 1);
-    grid.spacing[axis] = wide / parts;
+    const double reach = heart.radius_mm + room_across_mm + std::abs(cup.axis[a]) * heart.half_length_mm;
+    const int first = std::clamp(floor_int((cup.middle()[a] - reach) / wide), 0, old.dims[a] - 1);
+    const int last = std::clamp(ceil_int((cup.middle()[a] + reach) / wide), first, old.dims[a] - 1);
+    grid.spacing[a] = wide / parts;
     grid.dims[a] = parts * (last - first + 1);
-    corner[axis] = first * wide - (wide - grid.spacing[axis]) / 2;
+    corner[a] = first * wide - (wide - grid.spacing[a]) / 2;
   }
   grid.origin = to_world(old, corner);
   Study result = study;

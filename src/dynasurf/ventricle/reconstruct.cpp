@@ -349,13 +349,12 @@ void finish_gates(std::vector<GateRun>& runs, Result& result) {
   result.notes = result.study.notes;
   for (std::size_t n = 0; n < runs.size(); ++n) {
     GateRun& run = runs[n];
-    const int g = n;
     for (const Notes* notes : {&run.edges.notes, &run.labels.notes, &run.notes, &run.endo.flow.notes,
                                &run.endo.evolved.notes, &run.epi.flow.notes, &run.epi.evolved.notes})
-      add_notes(result.notes, *notes, g);
+      add_notes(result.notes, *notes, n);
     for (const Border wall : walls)
-      if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, g);
-    result.gates.push_back(finish_gate(run, g, result));
+      if (run.wall(wall).surface) add_notes(result.notes, run.wall(wall).surface->notes, n);
+    result.gates.push_back(finish_gate(run, n, result));
   }
 }
 

@@ -41,8 +41,7 @@ bool fill_data(const Grid& g, const Index3& place, const F& value, BrickData& da
           Index3 before = v, after = v;
           before[a] = std::max(before[a] - 1, 0);
           after[a] = std::min(after[a] + 1, g.dims[a] - 1);
-          const int axis = a;
-          slope[axis] = detail::slope(value(before), value(after), v[a], g.dims[a], g.spacing[axis]);
+          slope[a] = detail::slope(value(before), value(after), v[a], g.dims[a], g.spacing[a]);
         }
         const double b = slope.squaredNorm();
         if (b == 0) continue;

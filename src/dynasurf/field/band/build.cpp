@@ -222,7 +222,7 @@ void coarsen_data(const Level& f, Level& g, bool voxels) {
           g.b[m][to] += share * b * (voxels ? shown(f, v, d, s) : s);
           for (std::size_t comp = 0; comp < 3; ++comp) g.rhs[m][comp][to] += share * s * f.rhs[n][comp][from];
         }
-    g.covered[m] = g.covered[m] | eighths;
+    g.covered[m] |= eighths;
   }
 }
 

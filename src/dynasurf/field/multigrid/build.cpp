@@ -88,12 +88,11 @@ void fill_lanes(Level& l) {
   make_room(l.lane_values, 8 * static_cast<std::size_t>(l.slot), true);
   const Axis& x = l.axis[0];
   for (int i = 0; i < x.count; ++i) {
-    const std::size_t at = i;
     float* v = l.lane_values.data() + (i % 2) * l.slot + i / 2;
-    v[0] = x.left[at];
-    v[2 * l.slot] = x.right[at];
-    v[4 * l.slot] = x.left[at] + x.right[at];
-    v[6 * l.slot] = x.share[at];
+    v[0] = x.left[i];
+    v[2 * l.slot] = x.right[i];
+    v[4 * l.slot] = x.left[i] + x.right[i];
+    v[6 * l.slot] = x.share[i];
   }
 }
 
@@ -163,7 +162,7 @@ DYNASURF_INLINE MapChunk<V> chunk_of(const MapRow& r, int first, int n) {
   if (first == 0) c.before[0] = where_greater(lane_numbers<V>(), V{}, c.before[0], c.own[0]);
   if (first + count < n) return c;
   for (int h : {0, 1}) {
-    const V left = (count - h * lanes) - lane_numbers<V>();  // voxels from this one on
+    const V left = count - h * lanes - lane_numbers<V>();  // voxels from this one on
     c.after[h] = where_equal(left, V(1), c.own[h], c.after[h]);
     if (count == chunk) continue;
     for (V* v : {c.own, c.before, c.after, c.ym, c.yp, c.zm, c.zp}) v[h] = where_greater(left, V{}, v[h], V{});

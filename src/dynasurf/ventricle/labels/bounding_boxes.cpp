@@ -31,7 +31,7 @@ struct Filter {
   void remove_outside(const Box& box, int k, std::uint8_t bit) {
     for (const image::Pixel& p : pixels_of(borders, k, bit))
       if (!box.holds(p.i - axis.x_at(k), p.j - axis.y_at(k))) {
-        borders(p.i, p.j, k) = borders(p.i, p.j, k) & ~bit;
+        borders(p.i, p.j, k) &= ~bit;
         ++removed;
       }
   }
