@@ -106,9 +106,8 @@ std::string row_of(const Planned& planned, const Json& truth) {
   const synthetic::DrawnPatient& p = planned.patient;
   return planned.id + "\t" + (planned.folder / "study.dcm").string() + "\t" + planned.subject + "\t" +
          std::string(p.sex) + "\t" + std::to_string(p.age_years) + "\t" + std::string(p.site) + "\t" +
-         std::string(synthetic::names_of(synthetic::Defect{})[static_cast<std::size_t>(p.options.defect)]) +
-         cell("fwhm_mm") + cell("edv_ml") + cell("esv_ml") + cell("ef_percent") + "\t" +
-         truth.at("gates").at(0).at("wall_ml").dump() + "\n";
+         std::string(word_of(p.options.defect)) + cell("fwhm_mm") + cell("edv_ml") + cell("esv_ml") +
+         cell("ef_percent") + "\t" + truth.at("gates").at(0).at("wall_ml").dump() + "\n";
 }
 
 std::string make_rows(const PatientsJob& job, std::uint64_t seed, const Progress& progress) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/folder_file.hpp"
 #include "dynasurf/io/detail/json_node.hpp"
@@ -51,12 +52,6 @@ TriMesh surface_of(const fs::path& folder, int gate, const std::string& wall) {
                    " as PLY, OBJ, OFF or STL");
 }
 
-Vec3 middle_of(const TriMesh& mesh) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : mesh.vertices) sum += p / static_cast<double>(mesh.vertices.size());
-  return sum;
-}
-
 }  // namespace
 
 ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
@@ -88,7 +83,7 @@ ResultWalls read_result_walls(const fs::path& folder, int gate, bool edges) {
   }
   const Vec3 axis = direction_in(io::object_in(results, "heart"), "axis");
   const Vec3 anterior = direction_in(io::object_in(io::object_in(results, "measures"), "anterior"), "direction");
-  walls.axes = ventricle::axes_of(walls.endo, walls.epi, middle_of(walls.endo), axis, anterior, plane);
+  walls.axes = ventricle::axes_of(walls.endo, walls.epi, mean_point(walls.endo.vertices), axis, anterior, plane);
   return walls;
 }
 

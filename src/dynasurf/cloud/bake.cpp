@@ -21,13 +21,13 @@ struct Atlas {
 
   std::size_t width() const { return side * across; }
   std::size_t height() const { return side * rows; }
-  double leg() const { return static_cast<double>(side) - 4; }
+  double leg() const { return side - 4.0; }
 
   /// Where a corner stands, in texels.
   Eigen::Vector2d place(std::size_t triangle, std::size_t corner) const {
     const std::size_t square = triangle / 2;
     const std::size_t column = square % across, row = square / across;
-    const Eigen::Vector2d origin(static_cast<double>(column * side), static_cast<double>(row * side));
+    const Eigen::Vector2d origin(1.0 * column * side, 1.0 * row * side);
     Eigen::Vector2d within(1 + (corner == 1 ? leg() : 0), 1 + (corner == 2 ? leg() : 0));
     if (triangle % 2 == 1) within = Eigen::Vector2d::Constant(side) - within;
     return origin + within;
@@ -53,10 +53,10 @@ struct Atlas {
 
 Atlas atlas_for(std::size_t triangles, std::size_t points) {
   Atlas atlas{};
-  const double per_triangle = points / static_cast<double>(triangles);
-  atlas.side = static_cast<std::size_t>(std::clamp(std::ceil(2 * std::sqrt(per_triangle)) + 4, 8.0, 40.0));
+  const double per_triangle = 1.0 * points / triangles;
+  atlas.side = std::clamp(std::ceil(2 * std::sqrt(per_triangle)) + 4, 8.0, 40.0);
   const std::size_t squares = (triangles + 1) / 2;
-  atlas.across = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(squares))));
+  atlas.across = std::ceil(std::sqrt(squares));
   atlas.rows = (squares + atlas.across - 1) / atlas.across;
   return atlas;
 }
@@ -79,11 +79,9 @@ std::vector<mesh::TexturedMesh::Corner> corners_of(const TriMesh& mesh, const At
     for (std::size_t i = 0; i < 3; ++i) {
       const Eigen::Vector2d place = atlas.place(t, i);
       const Vec3& normal = normals[triangle[i]];
+      const float u = place[0] / atlas.width(), v = place[1] / atlas.height();
       corners.push_back(
-          {mesh.vertices[triangle[i]],
-           normal.cast<float>(),
-           tangent_to(normal, along).cast<float>(),
-           {static_cast<float>(place[0] / atlas.width()), static_cast<float>(place[1] / atlas.height())}});
+          {mesh.vertices[triangle[i]], normal.cast<float>(), tangent_to(normal, along).cast<float>(), {u, v}});
     }
   }
   return corners;

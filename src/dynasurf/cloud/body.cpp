@@ -21,9 +21,8 @@ namespace {
 BodyTopology kind_of(const TriMesh& mesh) {
   std::uint32_t parts = 0;
   mesh::components_of(mesh, parts);
-  const auto euler =
-      static_cast<std::ptrdiff_t>(mesh.vertices.size()) - static_cast<std::ptrdiff_t>(mesh.triangles.size() / 2);
-  return {static_cast<int>(parts), static_cast<int>(parts - euler / 2)};
+  const int count = parts, euler = std::ssize(mesh.vertices) - std::ssize(mesh.triangles) / 2;
+  return {count, count - euler / 2};
 }
 
 }  // namespace

@@ -33,7 +33,10 @@ void measure_angles(const TriMesh& mesh, Certificate& c) {
   for (const auto& t : mesh.triangles)
     angles.push_back(smallest_angle_deg(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
   std::sort(angles.begin(), angles.end());
-  const auto share = [&](double q) { return angles[static_cast<std::size_t>(q * (angles.size() - 1))]; };
+  const auto share = [&](double q) {
+    const std::size_t rank = q * (angles.size() - 1);
+    return angles[rank];
+  };
   c.smallest_angle_deg = angles.front();
   c.angle_percentile_1_deg = share(0.01);
   c.angle_percentile_5_deg = share(0.05);
@@ -133,9 +136,9 @@ Comparison compare(const TriMesh& mesh, const KdTree& cloud) {
   c.flat_triangles = check.flat_triangles;
   c.components = top.components;
   if (c.manifold && c.oriented && !mesh.triangles.empty()) {
-    c.boundary_loops = c.closed ? 0 : static_cast<int>(loops_of(mesh).size());
+    c.boundary_loops = c.closed ? 0 : loops_of(mesh).size();
     // From V - E + F = 2 (components - genus) - loops.
-    c.genus = top.components - static_cast<int>((top.euler + c.boundary_loops) / 2);
+    c.genus = top.components - (top.euler + c.boundary_loops) / 2;
   }
   measure_angles(mesh, c);
   c.volume = mesh::volume_mm3(mesh);

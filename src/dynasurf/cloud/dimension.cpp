@@ -18,7 +18,7 @@ using Counts = std::array<double, scales>;  // pairs within each scale, widest f
 
 Counts pairs_within(std::span<const Vec3> points) {
   constexpr std::size_t centres = 300, others = 20000;
-  const auto share = 1 / static_cast<double>(points.size());
+  const double share = 1.0 / points.size();
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : points) middle += share * p;
   double spread = 0;

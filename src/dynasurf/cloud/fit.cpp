@@ -35,6 +35,8 @@ struct Rows {
   std::vector<std::uint32_t> first, neighbour, triangle;
   std::vector<RimVertex> rim;
   std::vector<std::uint8_t> is_rim;  // per vertex
+
+  double neighbours(std::size_t vertex) const { return first[vertex + 1] - first[vertex]; }
 };
 
 /// Around a vertex of a boundary one neighbour is only the next corner of a triangle, and one only the corner before.
@@ -47,7 +49,7 @@ void find_rim(const TriMesh& mesh, Rows& r) {
       return t[0] == v ? t[2] : t[1] == v ? t[0] : t[1];
     };
     for (std::uint32_t i = r.first[v]; i < r.first[v + 1]; ++i)
-      after_less_before += r.neighbour[i] - static_cast<std::int64_t>(before(i));
+      after_less_before += r.neighbour[i] - std::int64_t{before(i)};
     if (after_less_before == 0) continue;
     r.is_rim[v] = 1;
     RimVertex rim{v, v, v};
@@ -90,7 +92,7 @@ void bend(const Rows& rows, const Places& x, Places& y) {
     if (rows.is_rim[v]) continue;
     Vec3 sum = Vec3::Zero();
     for (std::uint32_t i = rows.first[v]; i < rows.first[v + 1]; ++i) sum += x[rows.neighbour[i]];
-    y[v] = x[v] - sum / static_cast<double>(rows.first[v + 1] - rows.first[v]);
+    y[v] = x[v] - sum / rows.neighbours(v);
   }
   for (const RimVertex& r : rows.rim) y[r.vertex] = r.across(x[r.vertex] - 0.5 * (x[r.before] + x[r.after]));
 }
@@ -99,7 +101,7 @@ void bend(const Rows& rows, const Places& x, Places& y) {
 void add_bent_back(const Rows& rows, const Places& x, double factor, Places& y) {
   for (std::size_t v = 0; v < x.size(); ++v) {
     if (rows.is_rim[v]) continue;
-    const Vec3 whole = factor * x[v], part = whole / static_cast<double>(rows.first[v + 1] - rows.first[v]);
+    const Vec3 whole = factor * x[v], part = whole / rows.neighbours(v);
     y[v] += whole;
     for (std::uint32_t i = rows.first[v]; i < rows.first[v + 1]; ++i) y[rows.neighbour[i]] -= part;
   }
@@ -187,7 +189,7 @@ class Fit {
     std::vector<std::uint32_t> at(first.begin(), first.end() - 1);
     for (std::uint32_t i = 0; i < on_.size(); ++i) order[at[on_[i].triangle]++] = i;
     pulls_.resize(mesh_.triangles.size());
-    const double share = mesh_.vertices.size() / static_cast<double>(on_.size());
+    const double share = 1.0 * mesh_.vertices.size() / on_.size();
     // Means suit noise better than medians do; distances beyond it are shape that the triangles cannot follow.
     const double soft = 0.25 * mean * mean + 4 * o_.noise * o_.noise + 1e-18;
     parallel_for(pulls_.size(), 256, [&](std::size_t begin, std::size_t end) {

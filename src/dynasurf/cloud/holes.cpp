@@ -10,6 +10,7 @@
 #include "dynasurf/cloud/detail/levels.hpp"
 #include "dynasurf/cloud/detail/patch.hpp"
 #include "dynasurf/cloud/detail/triangle_marks.hpp"
+#include "dynasurf/core/detail/edge_key.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/trace.hpp"
@@ -93,8 +94,7 @@ void drop_ears(const TriMesh& mesh, Marks& kept) {
   for (std::uint32_t t = 0; t < kept.size(); ++t)
     if (kept[t])
       for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint64_t a = mesh.triangles[t][c], b = mesh.triangles[t][(c + 1) % 3];
-        edges.push_back({(std::min(a, b) << 32) | std::max(a, b), t});
+        edges.push_back({edge_key(mesh.triangles[t][c], mesh.triangles[t][(c + 1) % 3]), t});
       }
   std::sort(edges.begin(), edges.end());
   std::vector<std::uint8_t> free_edges(kept.size(), 0);
@@ -146,7 +146,7 @@ Marks held_by_points(const TriMesh& mesh, const Scan& scan, double reach) {
 
 /// Euler's number of an open surface whose loops are closed by a disc each.
 long euler_when_closed(const TriMesh& open, const std::vector<Loop>& loops) {
-  return mesh::topology(open).euler + static_cast<long>(loops.size());
+  return mesh::topology(open).euler + std::ssize(loops);
 }
 
 /// A surface, lighter, and what of it the points hold.
@@ -164,7 +164,7 @@ Held held_part(const TriMesh& surface, const Scan& scan, double reach) {
   held.kept = held_by_points(held.whole, scan, reach);
   const TriMesh open = mesh::submesh(held.whole, held.kept);
   const mesh::Topology top = mesh::topology(open);
-  held.handles = top.components - static_cast<int>(euler_when_closed(open, loops_of(open)) / 2);
+  held.handles = top.components - euler_when_closed(open, loops_of(open)) / 2;
   return held;
 }
 
@@ -385,7 +385,7 @@ std::optional<HoleFill> fill_holes(const IndicatorField& field, const OrientedPo
   fill.on_tubes = fill.points.points.size();
   for (std::uint32_t v = 0; v < torn.open.vertices.size(); ++v) fill.kind.parts += parts.find(v) == v;
   // A tube in the place of two discs takes two from Euler's number.
-  fill.kind.genus = fill.kind.parts - static_cast<int>(euler_when_closed(torn.open, torn.loops) / 2) + fill.joined;
+  fill.kind.genus = fill.kind.parts - euler_when_closed(torn.open, torn.loops) / 2 + fill.joined;
   for (std::size_t i = 0; i < torn.loops.size(); ++i)
     if (!done[i]) {
       scatter(torn.discs[i], scan, options, fill.points);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
+#include "dynasurf/cloud/detail/by_cell.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -19,9 +21,9 @@ struct Lattice {
   Index3 dims;
   double side;
   Vec3 origin;
-  std::size_t size() const { return dims[0] * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]); }
-  std::ptrdiff_t row() const { return dims[0]; }
-  std::ptrdiff_t slab() const { return static_cast<std::ptrdiff_t>(dims[0]) * dims[1]; }
+  std::size_t size() const { return size_of(dims); }
+  std::size_t row() const { return dims[0]; }
+  std::size_t slab() const { return size_of({dims[0], dims[1], 1}); }
 };
 
 /// The eight nodes around a place and their weights; false when it is not within the lattice.
@@ -32,25 +34,23 @@ struct Corner {
 
 bool corner_of(const Lattice& l, const Vec3& p, const Vec3& shift, Corner& c) {
   const Vec3 q = (p - l.origin) / l.side - shift;
-  std::array<std::ptrdiff_t, 3> base{};
+  std::array<std::size_t, 3> base{};
   std::array<double, 3> part{};
   for (std::size_t a = 0; a < 3; ++a) {
     const double whole = std::floor(q[a]);
     if (!(whole >= 0) || whole >= l.dims[a] - 1) return false;
-    base[a] = static_cast<std::ptrdiff_t>(whole);
+    base[a] = whole;
     part[a] = q[a] - whole;
   }
   c.at = base[0] + l.row() * base[1] + l.slab() * base[2];
   for (std::size_t n = 0; n < 8; ++n)
-    c.weight[n] = static_cast<float>((n & 1 ? part[0] : 1 - part[0]) * (n & 2 ? part[1] : 1 - part[1]) *
-                                     (n & 4 ? part[2] : 1 - part[2]));
+    c.weight[n] = (n & 1 ? part[0] : 1 - part[0]) * (n & 2 ? part[1] : 1 - part[1]) * (n & 4 ? part[2] : 1 - part[2]);
   return true;
 }
 
 std::array<std::size_t, 8> steps_of(const Lattice& l) {
   std::array<std::size_t, 8> s{};
-  for (std::size_t n = 0; n < 8; ++n)
-    s[n] = (n & 1) + (n & 2 ? static_cast<std::size_t>(l.row()) : 0) + (n & 4 ? static_cast<std::size_t>(l.slab()) : 0);
+  for (std::size_t n = 0; n < 8; ++n) s[n] = (n & 1) + (n & 2 ? l.row() : 0) + (n & 4 ? l.slab() : 0);
   return s;
 }
 
@@ -88,8 +88,8 @@ class Pieces {
     Runs r;
     r.first_of_slab.assign(2, 0);
     const std::size_t row = l_.row(), slab = l_.slab();
-    for (std::size_t k = 1; k + 1 < static_cast<std::size_t>(l_.dims[2]); ++k) {
-      for (std::size_t j = 1; j + 1 < static_cast<std::size_t>(l_.dims[1]); ++j) {
+    for (int k = 1; k + 1 < l_.dims[2]; ++k) {
+      for (int j = 1; j + 1 < l_.dims[1]; ++j) {
         const std::uint8_t* marks = marks_.data() + j * per_row_ + k * per_slab_;
         for (std::size_t n = 0; n < per_row_; ++n) {
           if (!marks[n]) continue;
@@ -134,8 +134,8 @@ Runs nodes_near_surface(const Lattice& l, const OrientedPoints& points, const Va
   Corner c;
   for (const Vec3& p : points.points)
     if (corner_of(l, p, Vec3::Zero(), c)) pieces.mark(c.at % row, c.at % slab / row, c.at / slab, reach);
-  for (std::size_t k = 1; k < static_cast<std::size_t>(l.dims[2]); ++k)
-    for (std::size_t j = 1; j < static_cast<std::size_t>(l.dims[1]); ++j)
+  for (int k = 1; k < l.dims[2]; ++k)
+    for (int j = 1; j < l.dims[1]; ++j)
       for (std::size_t i = 1; i < row; ++i) {
         const std::size_t at = k * slab + j * row + i;
         const bool is_inside = start[at] > 0;
@@ -174,12 +174,12 @@ class Equations {
                           });
     for (int k = 0; k < iterations && rz > enough; ++k) {
       progress.check();
-      const auto beta = static_cast<float>(k == 0 ? 0 : rz / rz_before);
+      const float beta = k == 0 ? 0 : rz / rz_before;
       for_nodes([&](std::size_t i) { p[i] = r[i] * scale_[i] + beta * p[i]; });
       apply(p, q);
       const double pq = sum_nodes([&](std::size_t i) { return p[i] * q[i]; });
       if (!(pq > 0)) break;
-      const auto alpha = static_cast<float>(rz / pq);
+      const float alpha = rz / pq;
       rz_before = rz;
       rz = sum_nodes([&](std::size_t i) {
         x[i] += alpha * p[i];
@@ -191,26 +191,25 @@ class Equations {
 
  private:
   /// The slope along an axis lives half way between nodes, where the difference of their values does.
-  void gather_slopes(const OrientedPoints& points, std::size_t axis) {
+  void gather_slopes(const OrientedPoints& points, int axis) {
     const double scale = 1 / (lattice_.side * lattice_.side);
     Values& slope = slopes_[axis];
     slope.assign(lattice_.size(), 0);
-    const auto a = static_cast<Eigen::Index>(axis);
-    const Vec3 shift = 0.5 * Vec3::Unit(a);
+    const Vec3 shift = 0.5 * Vec3::Unit(axis);
     Corner c;
     for (std::size_t i = 0; i < points.points.size(); ++i) {
       if (!corner_of(lattice_, points.points[i], shift, c)) continue;
-      const auto v = static_cast<float>(-points.normals[i][a] * points.areas[i] * scale);
+      const float v = -points.normals[i][axis] * points.areas[i] * scale;
       for (std::size_t n = 0; n < 8; ++n) slope[c.at + steps_[n]] += v * c.weight[n];
     }
   }
 
   void make_right_side() {
     right_.assign(lattice_.size(), 0);
-    const std::array<std::ptrdiff_t, 3> step{1, lattice_.row(), lattice_.slab()};
+    const std::array<std::size_t, 3> step{1, lattice_.row(), lattice_.slab()};
     for_nodes([&](std::size_t i) {
       float value = 0;
-      for (std::size_t a = 0; a < 3; ++a) value -= slopes_[a][i] - slopes_[a][static_cast<std::ptrdiff_t>(i) - step[a]];
+      for (std::size_t a = 0; a < 3; ++a) value -= slopes_[a][i] - slopes_[a][i - step[a]];
       right_[i] = value;
     });
     slopes_ = {};
@@ -218,7 +217,7 @@ class Equations {
 
   void gather_points(const OrientedPoints& points, double closeness) {
     constexpr std::size_t grain = 1024;
-    constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
+    constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
     const double scale = closeness / (lattice_.side * lattice_.side);
     const std::size_t count = points.points.size();
     // Sorted by where they are, so that slabs of points can be worked on apart.
@@ -227,7 +226,7 @@ class Equations {
     parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const bool is_here = corner_of(lattice_, points.points[i], Vec3::Zero(), corners[i]);
-        order[i] = {is_here ? corners[i].at : nowhere, static_cast<std::uint32_t>(i)};
+        order[i] = {is_here ? corners[i].at : nowhere, i};
       }
     });
     std::sort(order.begin(), order.end());
@@ -243,7 +242,7 @@ class Equations {
         cells_[n] = {order[first[n]].first, {}};
         for (std::size_t o = first[n]; o < first[n + 1]; ++o) {
           const std::uint32_t i = order[o].second;
-          const auto pull = static_cast<float>(scale * points.areas[i]);
+          const float pull = scale * points.areas[i];
           add_outer(pull, corners[i].weight, cells_[n].form);
         }
       }
@@ -264,8 +263,8 @@ class Equations {
   }
 
   void find_slabs_of_cells() {
-    const auto slab = static_cast<std::size_t>(lattice_.slab());
-    slab_of_cells_.assign(static_cast<std::size_t>(lattice_.dims[2]) + 1, cells_.size());
+    const std::size_t slab = lattice_.slab();
+    slab_of_cells_.assign(lattice_.dims[2] + 1, cells_.size());
     for (std::size_t n = cells_.size(); n > 0;) {
       --n;
       slab_of_cells_[cells_[n].at / slab] = n;
@@ -282,11 +281,12 @@ class Equations {
   };
 
   void apply(const Values& x, Values& y) const {
-    const std::ptrdiff_t row = lattice_.row(), slab = lattice_.slab();
+    const Index row = lattice_.row(), slab = lattice_.slab();
     for_each_run([&](std::size_t first, std::size_t last) {
       const float* in = x.data() + first;
       float* out = y.data() + first;
-      for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(last - first); ++i)
+      const Index length = last - first;
+      for (Index i = 0; i < length; ++i)
         out[i] = 6 * in[i] - in[i - 1] - in[i + 1] - in[i - row] - in[i + row] - in[i - slab] - in[i + slab];
       return 0.0;
     });
@@ -315,7 +315,7 @@ class Equations {
   /// Calls `body` with the first node of each run, and the one behind its last.
   template <class Body>
   double for_each_run(const Body& body) const {
-    return parallel_sum(static_cast<std::size_t>(lattice_.dims[2] - 2), 4, [&](std::size_t begin, std::size_t end) {
+    return parallel_sum(lattice_.dims[2] - 2, 4, [&](std::size_t begin, std::size_t end) {
       double sum = 0;
       for (std::size_t r = runs_.first_of_slab[begin + 1]; r < runs_.first_of_slab[end + 1]; ++r)
         sum += body(runs_.nodes[r].first, runs_.nodes[r].second);
@@ -340,7 +340,7 @@ class Equations {
       for (; i + 8 <= last; i += 8)
         for (std::size_t lane = 0; lane < 8; ++lane) sums[lane] += body(i + lane);
       double sum = 0;
-      for (; i < last; ++i) sum += static_cast<double>(body(i));
+      for (; i < last; ++i) sum += body(i);
       for (const float s : sums) sum += s;
       return sum;
     });
@@ -361,13 +361,13 @@ Values refined(const Lattice& coarse, const Values& x, const Lattice& fine) {
   const std::size_t row = coarse.row(), slab = coarse.slab();
   parallel_for(fine.dims[2], 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      for (std::size_t j = 0; j < static_cast<std::size_t>(fine.dims[1]); ++j) {
+      for (int j = 0; j < fine.dims[1]; ++j) {
         const std::size_t k0 = k / 2 * slab, k1 = (k + 1) / 2 * slab, j0 = j / 2 * row, j1 = (j + 1) / 2 * row;
         float* out = y.data() + (k * fine.dims[1] + j) * fine.dims[0];
         const auto mean = [&](std::size_t i) {
           return 0.25f * (x[k0 + j0 + i] + x[k0 + j1 + i] + x[k1 + j0 + i] + x[k1 + j1 + i]);
         };
-        for (std::size_t i = 0; i < static_cast<std::size_t>(fine.dims[0]); ++i)
+        for (int i = 0; i < fine.dims[0]; ++i)
           out[i] = i % 2 == 0 ? mean(i / 2) : 0.5f * (mean(i / 2) + mean(i / 2 + 1));
       }
   });
@@ -383,11 +383,10 @@ std::vector<Lattice> cascade(const OrientedPoints& points, const InsideOptions& 
   const int block = 1 << (depth - 1);
   const double margin = std::max(options.margin * box.sizes().maxCoeff(), 4 * side);
   Lattice fine{{}, side, {}};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
-    const int needed = ceil_int((box.sizes()[axis] + 2 * margin) / side);
+  for (int a = 0; a < 3; ++a) {
+    const int needed = ceil_int((box.sizes()[a] + 2 * margin) / side);
     fine.dims[a] = std::max(3, (needed + block - 1) / block) * block + 1;
-    fine.origin[axis] = box.center()[axis] - 0.5 * (fine.dims[a] - 1) * side;
+    fine.origin[a] = box.center()[a] - 0.5 * (fine.dims[a] - 1) * side;
   }
   std::vector<Lattice> all{fine};
   for (int d = 1; d < depth; ++d) {
@@ -401,19 +400,7 @@ std::vector<Lattice> cascade(const OrientedPoints& points, const InsideOptions& 
 
 /// Points merged in cells of half a step: what a coarse lattice sees of many points.
 OrientedPoints merged(const OrientedPoints& all, double cell, const Vec3& origin) {
-  struct At {
-    std::uint64_t cell;
-    std::uint32_t index;
-  };
-  std::vector<At> order(all.points.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Vec3 q = (all.points[i] - origin) / cell;
-    order[i] = {(static_cast<std::uint64_t>(q[2]) << 42) | (static_cast<std::uint64_t>(q[1]) << 21) |
-                    static_cast<std::uint64_t>(q[0]),
-                static_cast<std::uint32_t>(i)};
-  }
-  std::sort(order.begin(), order.end(),
-            [](const At& a, const At& b) { return a.cell != b.cell ? a.cell < b.cell : a.index < b.index; });
+  const std::vector<InCell> order = by_cell(all.points, origin, cell);
   OrientedPoints few;
   for (std::size_t i = 0, last = 0; i < order.size(); i = last) {
     Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
@@ -437,11 +424,11 @@ OrientedPoints merged(const OrientedPoints& all, double cell, const Vec3& origin
 Vec3 outwards(const IndicatorField& field, const Vec3& place) {
   const Lattice l{field.value.grid.dims, field.side, field.origin};
   const std::array<std::size_t, 8> steps = steps_of(l);
-  const auto at = [&](const Vec3& p) {
+  const auto at = [&](const Vec3& p) -> double {
     Corner c;
-    if (!corner_of(l, p, Vec3::Zero(), c)) return static_cast<double>(outside);
+    if (!corner_of(l, p, Vec3::Zero(), c)) return outside;
     double sum = 0;
-    for (std::size_t n = 0; n < 8; ++n) sum += c.weight[n] * static_cast<double>(field.value.values[c.at + steps[n]]);
+    for (std::size_t n = 0; n < 8; ++n) sum += c.weight[n] * double{field.value.values[c.at + steps[n]]};
     return sum;
   };
   Vec3 down;
@@ -475,7 +462,7 @@ std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const 
   int iterations = 80;
   for (std::size_t l = lattices.size(); l > 0;) {
     --l;
-    progress("inside", static_cast<int>(lattices.size() - l - 1), static_cast<int>(lattices.size()));
+    progress("inside", lattices.size() - l - 1, lattices.size());
     const Lattice& lattice = lattices[l];
     Values x = fields.empty() ? Values(lattice.size(), outside)
                               : refined(lattices[l + 1], fields.back().value.values, lattice);
@@ -491,7 +478,7 @@ std::vector<IndicatorField> solve_indicator(const OrientedPoints& points, const 
     field.origin = lattice.origin;
     fields.push_back(std::move(field));
   }
-  progress("inside", static_cast<int>(lattices.size()), static_cast<int>(lattices.size()));
+  progress("inside", lattices.size(), lattices.size());
   return fields;
 }
 

@@ -36,7 +36,7 @@ KdTree::KdTree(std::vector<Vec3>& points, std::vector<std::uint32_t>& had) {
 /// The points in the order of a new tree.
 std::vector<KdTree::Place> KdTree::sorted(std::span<const Vec3> points) {
   std::vector<Place> places(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) places[i] = {points[i], static_cast<std::uint32_t>(i)};
+  for (std::size_t i = 0; i < points.size(); ++i) places[i].point = points[i], places[i].index = i;
   while ((points.size() >> depth_) > leaf_size) ++depth_;
   const std::size_t leaves = std::size_t{1} << depth_;
   splits_.resize(leaves - 1);
@@ -67,7 +67,7 @@ void KdTree::split_level(std::vector<Place>& places, int level) {
         // Equal coordinates go by their numbers, so that every library halves alike.
         return a.point[axis] != b.point[axis] ? a.point[axis] < b.point[axis] : a.index < b.index;
       });
-      splits_[parts - 1 + m] = {middle->point[axis], static_cast<std::uint32_t>(axis)};
+      splits_[parts - 1 + m].at = middle->point[axis], splits_[parts - 1 + m].axis = axis;
     }
   });
 }

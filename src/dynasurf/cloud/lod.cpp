@@ -107,7 +107,7 @@ LodBlend blend_for_size(const LodChain& chain, double diagonal_px) {
 
 double share_of_plain_tessellation_percent(std::size_t triangles, std::size_t points) {
   if (points == 0) return 0;
-  return 100 * static_cast<double>(triangles) / (2 * static_cast<double>(points));
+  return 100.0 * triangles / (2.0 * points);
 }
 
 }  // namespace dynasurf::cloud

@@ -2,18 +2,20 @@
 
 #include <unordered_set>
 
+#include "dynasurf/core/detail/edge_key.hpp"
+
 namespace dynasurf::cloud {
 
 std::vector<Loop> loops_of(const TriMesh& open) {
   constexpr std::uint32_t none = 0xffffffff;
   std::unordered_set<std::uint64_t> directed;
-  const auto key = [](std::uint32_t a, std::uint32_t b) { return (static_cast<std::uint64_t>(a) << 32) | b; };
+
   for (const auto& t : open.triangles)
-    for (std::size_t c = 0; c < 3; ++c) directed.insert(key(t[c], t[(c + 1) % 3]));
+    for (std::size_t c = 0; c < 3; ++c) directed.insert(pair_key(t[c], t[(c + 1) % 3]));
   std::vector<std::uint32_t> after(open.vertices.size(), none);
   for (const auto& t : open.triangles)
     for (std::size_t c = 0; c < 3; ++c)
-      if (!directed.contains(key(t[(c + 1) % 3], t[c]))) after[t[c]] = t[(c + 1) % 3];
+      if (!directed.contains(pair_key(t[(c + 1) % 3], t[c]))) after[t[c]] = t[(c + 1) % 3];
   std::vector<Loop> loops;
   for (std::uint32_t v = 0; v < after.size(); ++v) {
     if (after[v] == none) continue;

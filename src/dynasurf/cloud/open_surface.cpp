@@ -125,7 +125,7 @@ class Split {
   }
 
   std::uint32_t middle(std::uint32_t a, std::uint32_t b) {
-    const auto [found, is_new] = middles_.emplace(Edge(std::minmax(a, b)), static_cast<std::uint32_t>(values_.size()));
+    const auto [found, is_new] = middles_.emplace(Edge(std::minmax(a, b)), values_.size());
     if (!is_new) return found->second;
     const auto [low, high] = found->first;  // the same place from both sides
     const double at = values_[low] / (values_[low] - values_[high]);
@@ -184,8 +184,8 @@ OpenSurface open_surface(const IndicatorField& field, const SupportingPoints& sc
   }
   const mesh::Topology top = mesh::topology(surface.mesh);
   surface.parts = top.components;
-  surface.loops = top.boundary_edges > 0 ? static_cast<int>(loops_of(surface.mesh).size()) : 0;
-  surface.genus = surface.parts - static_cast<int>((top.euler + surface.loops) / 2);
+  surface.loops = top.boundary_edges > 0 ? loops_of(surface.mesh).size() : 0;
+  surface.genus = surface.parts - (top.euler + surface.loops) / 2;
   return surface;
 }
 

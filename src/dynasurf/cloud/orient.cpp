@@ -9,6 +9,7 @@
 #include <span>
 #include <unordered_map>
 
+#include "dynasurf/cloud/detail/by_cell.hpp"
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
@@ -81,7 +82,7 @@ class Turns {
     if (root_a == root_b) return;
     if (root_b < root_a) std::swap(root_a, root_b);
     parent_[root_b] = root_a;
-    turned_[root_b] = static_cast<std::uint8_t>(of_a ^ of_b ^ (against ? 1 : 0));
+    turned_[root_b] = of_a ^ of_b ^ (against ? 1 : 0);
   }
 
  private:
@@ -110,7 +111,7 @@ std::vector<Link> links_by_clarity(const OrientedPoints& o, const std::vector<Ri
         // The normal that j would have were it i's mirror image half way between them: the same on a circle.
         const double agreement = o.normals[i].dot(o.normals[j]) - 2 * across_i * across_j;
         const double cost = 1 - std::abs(agreement) + 0.5 * std::abs(across_i * across_j);
-        step[i * links + k] = static_cast<std::uint16_t>(std::clamp(cost, 0.0, 1.0) * (steps - 1));
+        step[i * links + k] = std::clamp(cost, 0.0, 1.0) * (steps - 1);
         against[i * links + k] = agreement < 0;
       }
   });
@@ -118,10 +119,12 @@ std::vector<Link> links_by_clarity(const OrientedPoints& o, const std::vector<Ri
   for (const std::uint16_t s : step) ++first[s + 1u];
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<Link> sorted(first[steps]);
-  for (std::size_t e = 0; e < step.size(); ++e)
-    if (step[e] < steps)
-      sorted[first[step[e]]++] = {static_cast<std::uint32_t>(e / links), around[e / links][e % links],
-                                  1 - static_cast<float>(step[e]) / (steps - 1), against[e] != 0};
+  for (std::size_t e = 0; e < step.size(); ++e) {
+    if (step[e] >= steps) continue;
+    const std::uint32_t from = e / links;
+    const float doubt = step[e];
+    sorted[first[step[e]]++] = {from, around[from][e % links], 1 - doubt / (steps - 1), against[e] != 0};
+  }
   return sorted;
 }
 
@@ -321,21 +324,7 @@ PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
   if (!(cell > 0)) return {cloud.points, cloud.normals, {}, {}};
   Eigen::AlignedBox3d box;
   for (const Vec3& p : cloud.points) box.extend(p);
-  struct At {
-    std::uint64_t cell;
-    std::uint32_t index;
-  };
-  std::vector<At> order(cloud.points.size());
-  parallel_for(order.size(), orient_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 q = (cloud.points[i] - box.min()) / cell;
-      order[i] = {(static_cast<std::uint64_t>(q[2]) << 42) | (static_cast<std::uint64_t>(q[1]) << 21) |
-                      static_cast<std::uint64_t>(q[0]),
-                  static_cast<std::uint32_t>(i)};
-    }
-  });
-  std::sort(order.begin(), order.end(),
-            [](const At& a, const At& b) { return a.cell != b.cell ? a.cell < b.cell : a.index < b.index; });
+  const std::vector<InCell> order = by_cell(cloud.points, box.min(), cell);
   PointCloud thin;
   for (std::size_t i = 0, last = 0; i < order.size(); i = last) {
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
@@ -343,7 +332,7 @@ PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
       sum += cloud.points[order[last].index];
       if (!cloud.normals.empty()) normal += cloud.normals[order[last].index];
     }
-    thin.points.push_back(sum / static_cast<double>(last - i));
+    thin.points.push_back(sum / (1.0 * (last - i)));
     if (!cloud.normals.empty()) thin.normals.push_back(normal);
   }
   return thin;

@@ -65,7 +65,7 @@ double thickness_of(const std::vector<Vec3>& points) {
     std::array<KdTree::Found, neighbourhood> found;
     const std::size_t n = tree.nearest(points[i], found);
     Vec3 middle = Vec3::Zero();
-    for (std::size_t k = 0; k < n; ++k) middle += points[found[k].index] / static_cast<double>(n);
+    for (std::size_t k = 0; k < n; ++k) middle += points[found[k].index] / (1.0 * n);
     Mat3 spread = Mat3::Zero();
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3 off = points[found[k].index] - middle;

@@ -8,6 +8,7 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "dynasurf/core/detail/edge_key.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/mesh/simplify.hpp"
 
@@ -18,8 +19,9 @@ constexpr std::uint32_t fixed = 0xffffffff;
 using Corners = std::array<std::uint32_t, 3>;
 
 Vec3 middle_of(const TriMesh& mesh, const Loop& loop) {
+  const double count = loop.size();
   Vec3 sum = Vec3::Zero();
-  for (const std::uint32_t v : loop) sum += mesh.vertices[v] / static_cast<double>(loop.size());
+  for (const std::uint32_t v : loop) sum += mesh.vertices[v] / count;
   return sum;
 }
 
@@ -40,14 +42,11 @@ class Edges {
  public:
   explicit Edges(const TriMesh& mesh) {
     for (const auto& t : mesh.triangles)
-      for (std::size_t c = 0; c < 3; ++c) known_.insert(key(t[c], t[(c + 1) % 3]));
+      for (std::size_t c = 0; c < 3; ++c) known_.insert(edge_key(t[c], t[(c + 1) % 3]));
   }
-  bool has(std::uint32_t a, std::uint32_t b) const { return known_.contains(key(a, b)); }
+  bool has(std::uint32_t a, std::uint32_t b) const { return known_.contains(edge_key(a, b)); }
 
  private:
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-    return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
-  }
   std::unordered_set<std::uint64_t> known_;
 };
 
@@ -167,10 +166,10 @@ void add_tube(TriMesh& mesh, const Loop& a, Loop b, const Rim& rim_a, const Rim&
   std::vector<Vec3> of_a = in_section(a, rim_a, way.leaving), of_b = in_section(b, rim_b, way.arriving);
   const std::vector<std::size_t> partner = partners(of_a, of_b);
   const std::size_t n = a.size();
-  const int rings = std::clamp(static_cast<int>(way.length / edge), 2, 400);
+  const int rings = std::clamp(way.length / edge, 2.0, 400.0);
   Loop last = a;
   for (int r = 1; r < rings; ++r) {
-    const double t = static_cast<double>(r) / rings;
+    const double t = 1.0 * r / rings;
     const Mat3 turned = turn(middle, way.direction(t));
     Loop ring;
     for (std::size_t i = 0; i < n; ++i) {
@@ -249,7 +248,7 @@ class Rows {
     if (number(v) == fixed)
       right_.back() -= weight * p_.surface.position(v);
     else
-      entries_.emplace_back(static_cast<int>(right_.size() - 1), static_cast<int>(number(v)), weight);
+      entries_.emplace_back(right_.size() - 1, number(v), weight);
   }
   /// The vertex is `off` from the mean of its neighbours.
   void add_off_mean(std::uint32_t v, std::span<const std::uint32_t> ring, const Vec3& off) {
@@ -258,10 +257,10 @@ class Rows {
     for (const std::uint32_t u : ring) add(u, -1.0 / ring.size());
   }
   bool solve() {
-    const Eigen::Index unknowns = p_.surface.vertex_slots() - p_.first_vertex;
+    const std::uint32_t unknowns = p_.surface.vertex_slots() - p_.first_vertex;
     Sparse rows(right_.size(), unknowns);
     rows.setFromTriplets(entries_.begin(), entries_.end());
-    Eigen::MatrixX3d target(static_cast<Eigen::Index>(right_.size()), 3);
+    Eigen::MatrixX3d target(right_.size(), 3);
     for (std::size_t r = 0; r < right_.size(); ++r) target.row(r) = right_[r].transpose();
     const Sparse square = rows.transpose() * rows;
     const Eigen::SimplicialLDLT<Sparse> solver(square);
@@ -269,8 +268,7 @@ class Rows {
     const Eigen::MatrixX3d sums = rows.transpose() * target;
     const Eigen::MatrixX3d places = solver.solve(sums);
     if (!places.allFinite()) return false;
-    for (Eigen::Index i = 0; i < unknowns; ++i)
-      p_.surface.position(p_.first_vertex + static_cast<std::uint32_t>(i)) = places.row(i).transpose();
+    for (std::uint32_t i = 0; i < unknowns; ++i) p_.surface.position(p_.first_vertex + i) = places.row(i).transpose();
     return true;
   }
 
@@ -310,7 +308,7 @@ struct Around {
 Around around(const mesh::SurfaceEditor& s, std::uint32_t v) {
   Around a;
   a.ring = ring_of(s, v);
-  const auto share = 1 / static_cast<double>(a.ring.size());
+  const double share = 1.0 / a.ring.size();
   for (std::size_t k = 0; k < a.ring.size(); ++k) {
     const Vec3 here = s.position(a.ring[k]) - s.position(v),
                next = s.position(a.ring[(k + 1) % a.ring.size()]) - s.position(v);
@@ -369,17 +367,14 @@ std::vector<Around> all_around(const Patch& p) {
 /// Mean curvature of rim and own vertices, evened out between each other and with that behind the rim.
 std::vector<double> even_curvature(const Patch& p, const std::vector<Around>& all, std::vector<double> curvature) {
   constexpr int sweeps = 60;
-  const auto slot = [&](std::size_t i) {
-    return i < p.rim.size() ? p.rim[i] : p.first_vertex + static_cast<std::uint32_t>(i - p.rim.size());
-  };
-  for (std::size_t i = 0; i < all.size(); ++i) curvature[slot(i)] = all[i].curvature();
+  for (std::size_t i = 0; i < all.size(); ++i) curvature[p.vertex(i)] = all[i].curvature();
   std::vector<double> even(all.size());
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       even[i] = 0;
       for (const std::uint32_t u : all[i].ring) even[i] += curvature[u] / all[i].ring.size();
     }
-    for (std::size_t i = 0; i < all.size(); ++i) curvature[slot(i)] = even[i];
+    for (std::size_t i = 0; i < all.size(); ++i) curvature[p.vertex(i)] = even[i];
   }
   return even;
 }
@@ -391,8 +386,7 @@ bool bend_evenly(Patch& p, std::span<const double> behind) {
   Rows rows(p);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Around& a = all[i];
-    rows.add_off_mean(i < p.rim.size() ? p.rim[i] : p.first_vertex + static_cast<std::uint32_t>(i - p.rim.size()),
-                      a.ring, a.drop * wanted[i] * a.normal);
+    rows.add_off_mean(p.vertex(i), a.ring, a.drop * wanted[i] * a.normal);
   }
   return rows.solve();
 }

@@ -12,6 +12,7 @@
 
 #include "dynasurf/cloud/detail/kd_tree.hpp"
 #include "dynasurf/cloud/detail/outliers.hpp"
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/detail/symmetric_axes.hpp"
 #include "dynasurf/core/detail/trace.hpp"
@@ -259,8 +260,7 @@ void check_count(const std::vector<Vec3>& points) {
 }
 
 void check_extent(const std::vector<Vec3>& points) {
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : points) middle += p / static_cast<double>(points.size());
+  const Vec3 middle = mean_point(points);
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : points) spread += (p - middle) * (p - middle).transpose();
   const Vec3 axes = symmetric_axes(spread).values;

@@ -59,8 +59,8 @@ int cells_for(const Facts& facts, const std::vector<Vec3>& points, const Options
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
   const double finest = std::max(1.4 * facts.spacing, 2 * facts.noise);
-  const int useful = std::clamp(static_cast<int>(1.2 * std::sqrt(triangles)), 64, 256);
-  return std::clamp(static_cast<int>(box.sizes().maxCoeff() / std::max(finest, 1e-300)), 16, useful);
+  const double useful = std::clamp(1.2 * std::sqrt(triangles), 64.0, 256.0);
+  return std::clamp(box.sizes().maxCoeff() / std::max(finest, 1e-300), 16.0, std::floor(useful));
 }
 
 void tell(const HoleFill& fill, LidRule lid, Notes& notes) {
@@ -80,7 +80,7 @@ OrientedPoints oriented_points(const PreparedCloud& p, const Options& options, d
   PointCloud thin = voxel_downsample(p.cloud, cell);
   if (!is_noisy(p.facts)) return orient(thin, options.use_normals);
   const double around = std::numbers::pi * own::pow(wide * p.facts.noise / p.facts.spacing, 2);
-  const auto ring = static_cast<std::size_t>(std::clamp<double>(around, fewest, most));
+  const std::size_t ring = std::clamp<double>(around, fewest, most);
   project_to_local_planes(thin, p.cloud.points, p.neighbours, ring);
   OrientedPoints oriented = orient(voxel_downsample(thin, cell), options.use_normals, 14);
   smooth_normals(oriented);
@@ -201,7 +201,7 @@ LevelPlan plan_of(const Options& options, const Facts& facts, std::size_t triang
   plan.sharp_deg = options.keep_sharp ? 40 : 60;
   if (is_noisy(facts)) {
     // The smaller the triangles against the noise, the more their vertices must share; measured on noisy bodies.
-    const double edge = 1.5 / std::sqrt(static_cast<double>(triangles));  // of the diagonal, for common bodies
+    const double edge = 1.5 / std::sqrt(triangles);  // of the diagonal, for common bodies
     plan.noise = facts.noise / facts.diagonal;
     plan.points_per_triangle *= 2;
     plan.smoothness += 1400 * own::pow(plan.noise / edge, 5);
@@ -259,7 +259,7 @@ int fewest_within(mesh::SurfaceEditor& surface, const Fitting& fitting, double e
     double error = 0;
   };
   // What the lattice could not see, more triangles cannot add.
-  const int most = std::clamp(static_cast<int>(surface.triangles()) / 2 * 2, 1000, most_triangles_within_error);
+  const int most = std::clamp<int>(surface.triangles() / 2 * 2, 1000, most_triangles_within_error);
   const mesh::SurfaceEditor finest = std::move(surface);
   std::optional<Try> near, far, last;
   mesh::SurfaceEditor nearest = finest;
@@ -288,13 +288,12 @@ int fewest_within(mesh::SurfaceEditor& surface, const Fitting& fitting, double e
     if (near && (near->count <= fewest || (far && near->count <= step * far->count + 2))) break;
     double slope = -1;
     if (last && last->count != now.count && last->error != now.error)
-      slope = std::clamp(own::log(now.error / last->error) / own::log(static_cast<double>(now.count) / last->count),
-                         -2.0, -0.3);
+      slope = std::clamp(own::log(now.error / last->error) / own::log(1.0 * now.count / last->count), -2.0, -0.3);
     const double guess = now.count * own::pow(as_good * error / now.error, 1 / slope);
     const double low = far ? std::sqrt(step) * far->count : fewest_triangles;
     const double high = near ? near->count / std::sqrt(step) : most;
-    count = std::clamp(static_cast<int>(std::clamp(guess, std::min(low, high), high)) / 2 * 2, fewest,
-                       near ? near->count - 2 : most);
+    const int next = std::clamp(guess, std::min(low, high), high);
+    count = std::clamp(next / 2 * 2, fewest, near ? near->count - 2 : most);
     last = now;
   }
   surface = std::move(nearest);
@@ -363,7 +362,7 @@ void tell_lost(const Fitting& fitting, double side, Notes& notes) {
   constexpr double far_share = 0.05;
   const double limit = (2.5 * fitting.facts.noise + side) / fitting.facts.diagonal;
   const auto far = std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; });
-  const double share = far / static_cast<double>(off.size());
+  const double share = 1.0 * far / off.size();
   if (!is_noisy(fitting.facts) && share > far_share)
     notes.push_back({Severity::warning, "cloud.left_out",
                      percent(share) + " of the points lie farther than " + percent(limit) +
@@ -417,8 +416,7 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
   result.facts.parts = body.parts;
   result.facts.genus = body.genus;
   const UnitFrame frame(p.cloud.points);
-  const auto most =
-      static_cast<std::size_t>(options.max_error_percent ? most_triangles_within_error : triangles.front());
+  const std::size_t most = options.max_error_percent ? most_triangles_within_error : triangles.front();
   const std::size_t step = step_of_fit(plan_of(options, p.facts, most), p.cloud.points.size(), most);
   const std::size_t scanned = (p.cloud.points.size() + step - 1) / step;
   TriMesh fine = body.mesh;

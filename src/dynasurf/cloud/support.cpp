@@ -77,14 +77,14 @@ void measure_points(const Level& level, const SupportingPoints& of, const mesh::
     for (std::size_t i = begin; i < end; ++i) off[i] = std::sqrt(closest(of.points[i * step]).distance2);
   });
   const auto share_beyond = [&](double limit) {
-    return std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; }) / static_cast<double>(asked);
+    return 1.0 * std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; }) / asked;
   };
   support.points_off = share_beyond(explained);
   const double limit = std::max(left_out * f.diagonal, explained);
   std::size_t together = 0;
   for (std::size_t i = 0; i < asked; ++i)
     together += off[i] > limit && has_company(of.points[i * step], of, closest, limit);
-  support.points_left_out = together / static_cast<double>(asked);
+  support.points_left_out = 1.0 * together / asked;
   double sum = 0;
   for (const double d : off) sum += d;
   support.points_off_mean = sum / asked / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
@@ -99,11 +99,13 @@ struct Off {
 /// Patches are what lies in a cube of the place's lattice and faces the same way.
 std::uint64_t patch_of(const Vec3& place, const Vec3& normal, double side) {
   std::uint64_t key = 0;
-  for (int a = 0; a < 3; ++a)
-    key = key * 4096 + (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(place[a] / side))) & 4095);
-  Eigen::Index axis = 0;
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t cell = std::floor(place[a] / side);
+    key = key * 4096 + (cell & 4095);
+  }
+  std::uint64_t axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
-  return key * 6 + 2 * static_cast<std::uint64_t>(axis) + (normal[axis] < 0);
+  return key * 6 + 2 * axis + (normal[axis] < 0);
 }
 
 /// Noise lies on both sides of the surface; a wall or cavity that was lost on one.
@@ -139,7 +141,7 @@ void measure_bias(const Level& level, const SupportingPoints& of, const mesh::Cl
     if (last - first >= fewest && std::abs(mean) > of_diagonal * of.facts.diagonal + sure * spread / std::sqrt(count))
       biased += last - first;
   }
-  support.biased = biased / static_cast<double>(asked);
+  support.biased = 1.0 * biased / asked;
 }
 
 /// The other side of the surface lies nearer than the points, their noise or the lattice tell apart.

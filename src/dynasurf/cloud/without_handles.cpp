@@ -74,8 +74,7 @@ IndicatorField without_handles(const IndicatorField& field) {
     const std::uint32_t at = next.top().at;
     next.pop();
     if (taken.values[at]) continue;
-    const std::uint32_t nx = grid.dims[0], ny = grid.dims[1];
-    const int i = at % nx, j = at / nx % ny, k = at / nx / ny;
+    const auto [i, j, k] = voxel_in(grid.dims, at);
     const Block block = block_at(i, j, k);
     // A node refused now is asked again whenever a neighbour comes in.
     if (!is_seed && (groups(block, 1) != 1 || groups(block, 0) != 1)) continue;
@@ -84,8 +83,8 @@ IndicatorField without_handles(const IndicatorField& field) {
     for (const int n : {4, 10, 12, 14, 16, 22}) {
       const auto [x, y, z] = offset_of(n);
       if (!grid.contains(i + x, j + y, k + z)) continue;
-      const std::size_t there = grid.index(i + x, j + y, k + z);
-      if (!taken.values[there] && values[there] > 0) next.push({values[there], static_cast<std::uint32_t>(there)});
+      const std::uint32_t there = grid.index(i + x, j + y, k + z);
+      if (!taken.values[there] && values[there] > 0) next.push({values[there], there});
     }
   }
   IndicatorField ball = field;

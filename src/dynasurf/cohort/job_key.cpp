@@ -67,10 +67,9 @@ std::string input_stamp(const std::filesystem::path& study) {
     struct stat status {};
     if (::stat(file.c_str(), &status) != 0) return {};
     add(hasher, file.lexically_relative(study).string());
-    for (const long long number :
-         {static_cast<long long>(status.st_size), static_cast<long long>(status.st_mtim.tv_sec),
-          static_cast<long long>(status.st_mtim.tv_nsec)})
-      add(hasher, std::to_string(number));
+    add(hasher, std::to_string(status.st_size));
+    add(hasher, std::to_string(status.st_mtim.tv_sec));
+    add(hasher, std::to_string(status.st_mtim.tv_nsec));
   }
   return io::hexadecimal(hasher.finish()).substr(0, 16);
 }

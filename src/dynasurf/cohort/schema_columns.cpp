@@ -30,9 +30,7 @@ namespace {
 /// What a result tells of its run and of its use, which is no measure of the heart or body.
 constexpr std::array kept_apart{"schema", "use", "options", "timings_s", "memory"};
 
-Json parse(const char* begin, const char* end, const char* name) {
-  return io::parse_json({begin, static_cast<std::size_t>(end - begin)}, name);
-}
+Json parse(const char* begin, const char* end, const char* name) { return io::parse_json({begin, end}, name); }
 
 /// A node without references and without "or null"; what the place says of it goes before what the definition says.
 Json resolved(const Json& schema, Json node) {

@@ -98,7 +98,7 @@ std::size_t take_lines(std::string_view text, const fs::path& path, std::size_t&
 void write_at_end(int fd, std::string_view text, const fs::path& path) {
   const off_t end = ::lseek(fd, 0, SEEK_END);
   const ssize_t written = end < 0 ? -1 : ::write(fd, text.data(), text.size());
-  if (written == static_cast<ssize_t>(text.size())) return;
+  if (written == std::ssize(text)) return;
   // A short write is taken for a full disk; what was written of the row is taken back, and the table stays whole.
   const int code = written < 0 ? errno : ENOSPC;
   if (end >= 0 && ::ftruncate(fd, end) != 0) io::staging::fail(path, "take back half a row", errno);
@@ -125,13 +125,13 @@ void StatusFile::read_locked() {
   const std::uint64_t size = status.st_size;
   std::string text(size > read_bytes_ ? size - read_bytes_ : 0, '\0');
   for (std::size_t got = 0; got < text.size();) {
-    const ssize_t part = ::pread(file_.fd, text.data() + got, text.size() - got, static_cast<off_t>(read_bytes_ + got));
+    const ssize_t part = ::pread(file_.fd, text.data() + got, text.size() - got, read_bytes_ + got);
     if (part < 0 && errno == EINTR) continue;
     if (part <= 0) io::staging::fail(path_, "read this file", part < 0 ? errno : EIO);
     got += part;
   }
   read_bytes_ += take_lines(text, path_, lines_, rows_);
-  if (read_bytes_ < size && ::ftruncate(file_.fd, static_cast<off_t>(read_bytes_)) != 0)
+  if (read_bytes_ < size && ::ftruncate(file_.fd, read_bytes_) != 0)
     io::staging::fail(path_, "cut off an unfinished row", errno);
 }
 

@@ -87,11 +87,11 @@ TableWriter::TableWriter(const std::filesystem::path& tsv, SqliteFile& database,
 TableWriter::~TableWriter() { sqlite3_finalize(insert_); }
 
 void TableWriter::add(const std::vector<std::string>& cells) {
-  for (std::size_t n = 0; n < types_.size(); ++n) {
+  for (int n = 0; n < std::ssize(types_); ++n) {
     const std::string cell = tsv_cell(cells.at(n));
     if (n > 0) file_ << '\t';
     file_ << cell;
-    if (bind(insert_, static_cast<int>(n) + 1, cell, types_[n]) != SQLITE_OK) database_.fail();
+    if (bind(insert_, n + 1, cell, types_[n]) != SQLITE_OK) database_.fail();
   }
   file_ << '\n';
   if (sqlite3_step(insert_) != SQLITE_DONE) database_.fail();

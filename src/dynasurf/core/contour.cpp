@@ -74,7 +74,8 @@ Vec2 centroid_of(const Contour& c) {
   }
   const double length = length_of(c);
   if (std::abs(twice) > 1e-12 * length * length) return origin + sum / twice;
-  for (const Vec2& p : c.points) mean += p / static_cast<double>(c.size());
+  const double count = c.size();
+  for (const Vec2& p : c.points) mean += p / count;
   return mean;
 }
 

@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "dynasurf/core/detail/rounding.hpp"
+
 namespace dynasurf {
 
 /// A point or vector in space: x, y, z.
@@ -15,6 +17,22 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 /// A voxel: its place along i, j and k, from 0.
 using Index3 = std::array<int, 3>;
+/// A place in memory, or a step from one to another.
+using Index = std::ptrdiff_t;
+
+/// The number of voxels of a box of `dims`.
+constexpr std::size_t size_of(const Index3& dims) {
+  return dims[0] * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+}
+/// Where a voxel of a box lies in memory, i fastest.
+constexpr std::size_t index_in(const Index3& dims, const Index3& voxel) {
+  return voxel[0] + dims[0] * (voxel[1] + dims[1] * static_cast<std::size_t>(voxel[2]));
+}
+/// The voxel at a place in memory: the inverse of `index_in`.
+constexpr Index3 voxel_in(const Index3& dims, std::size_t index) {
+  const std::size_t row = index / dims[0];
+  return {static_cast<int>(index % dims[0]), static_cast<int>(row % dims[1]), static_cast<int>(row / dims[1])};
+}
 
 /// A lattice of voxels placed in the patient (VOL-WORLD, thesis 2.1).
 ///
@@ -27,8 +45,9 @@ struct Grid {
   Vec3 origin{0, 0, 0};               // world position of the centre of voxel (0,0,0), mm
   Mat3 direction = Mat3::Identity();  // columns: world directions of i, j, k; orthonormal, the determinant may be -1
 
-  std::size_t size() const { return dims[0] * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]); }
-  std::size_t index(int i, int j, int k) const { return i + dims[0] * (j + dims[1] * static_cast<std::size_t>(k)); }
+  std::size_t size() const { return size_of(dims); }
+  std::size_t slice_size() const { return size_of({dims[0], dims[1], 1}); }
+  std::size_t index(int i, int j, int k) const { return index_in(dims, {i, j, k}); }
   bool contains(int i, int j, int k) const {
     return i >= 0 && j >= 0 && k >= 0 && i < dims[0] && j < dims[1] && k < dims[2];
   }
@@ -45,9 +64,8 @@ inline Vec3 centre_of(const Grid& g, const Index3& v) {
 
 /// Voxel whose cell holds a point of the grid frame: floor(p/d + 1/2). May lie outside the grid.
 inline Index3 voxel_of(const Grid& g, const Vec3& p) {
-  return {static_cast<int>(std::floor(p[0] / g.spacing[0] + 0.5)),
-          static_cast<int>(std::floor(p[1] / g.spacing[1] + 0.5)),
-          static_cast<int>(std::floor(p[2] / g.spacing[2] + 0.5))};
+  const auto nearest = [&](int axis) { return floor_int(p[axis] / g.spacing[axis] + 0.5); };
+  return {nearest(0), nearest(1), nearest(2)};
 }
 
 /// Both ways between the grid frame and the world (LPS), mm.

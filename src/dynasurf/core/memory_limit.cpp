@@ -30,11 +30,11 @@ std::uint64_t memory_from_text(std::string_view text) {
   if (error != std::errc{} || !(bytes >= 1 << 20) || !(bytes < std::ldexp(1, 62)))
     throw OptionError("--memory-limit: \"" + std::string(text.substr(0, 40)) +
                       "\"; expected an amount of memory such as 8G or 500M, at least 1M");
-  return static_cast<std::uint64_t>(bytes);
+  return bytes;
 }
 
 std::string memory_text(std::uint64_t bytes) {
-  const double mib = static_cast<double>(bytes) / (1 << 20);
+  const double mib = 1.0 * bytes / (1 << 20);
   char text[40];
   if (mib < 1000)
     std::snprintf(text, sizeof text, "%.0f MiB", std::ceil(mib));

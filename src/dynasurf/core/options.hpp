@@ -103,7 +103,7 @@ struct RangeCheck {
     } else if constexpr (IsNumberList<T>::value) {
       for (const auto number : value) (*this)(name, number, field);
     } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
-      const auto number = static_cast<double>(value);
+      const double number = value;
       if (std::isfinite(number) && number >= field.min && number <= field.max) return;
       TextOutput text;
       text << "option " << here << " is " << number << "; expected a number";

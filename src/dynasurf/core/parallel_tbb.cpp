@@ -75,7 +75,7 @@ int startable(int wanted) {
     std::latch counted(1);
     std::vector<std::jthread> started;
     try {
-      while (started.size() < static_cast<std::size_t>(wanted)) started.emplace_back([&] { counted.wait(); });
+      while (std::ssize(started) < wanted) started.emplace_back([&] { counted.wait(); });
     } catch (const std::system_error&) {
     } catch (...) {
       counted.count_down();
@@ -85,7 +85,7 @@ int startable(int wanted) {
     counted.count_down();
   }
   // The system counts a thread that was joined a moment longer, and would refuse the next one in its place.
-  for (int n = 0; count < static_cast<std::size_t>(wanted) && threads_of_process() > before && n < 1000; ++n)
+  for (int n = 0; std::cmp_less(count, wanted) && threads_of_process() > before && n < 1000; ++n)
     std::this_thread::sleep_for(1ms);
   return count;
 }
@@ -94,7 +94,7 @@ int startable(int wanted) {
 /// this one never does.
 void keep_to_threads_to_be_had(int asked) {
   constexpr int most = 256;
-  const int wanted = std::clamp(std::max(asked, static_cast<int>(std::thread::hardware_concurrency())), 1, most);
+  const int wanted = std::clamp(std::max<int>(asked, std::thread::hardware_concurrency()), 1, most);
   const int have = 1 + startable(wanted - 1);
   if (have >= wanted) return;
   using oneapi::tbb::global_control;

@@ -74,7 +74,7 @@ struct Projections {
   std::vector<std::vector<float>> scatter;  // the same: what windows beside the peak say of the scatter in it
 
   std::size_t views() const { return angle_deg.size(); }
-  std::size_t bins() const { return size * static_cast<std::size_t>(size); }
+  std::size_t bins() const { return size_of({size, size, 1}); }
 };
 
 }  // namespace dynasurf

@@ -37,7 +37,7 @@ struct TraceState {
     // Before the lock: to wait for it is no part of the event.
     event.end_us = now_us();
     const std::lock_guard lock(mutex);
-    event.thread = threads.emplace(std::this_thread::get_id(), static_cast<int>(threads.size()) + 1).first->second;
+    event.thread = threads.emplace(std::this_thread::get_id(), threads.size() + 1).first->second;
     events.push_back(std::move(event));
   }
 };

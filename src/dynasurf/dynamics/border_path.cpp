@@ -18,7 +18,7 @@ int floor_to_int(double x) {
 BorderPath::BorderPath(const Image& border)
     : grid_(border.grid), per_mm_(border.grid.spacing.cwiseInverse()), is_border_(border.values.size()) {
   std::transform(border.values.begin(), border.values.end(), is_border_.begin(),
-                 [](float v) { return static_cast<std::uint8_t>(v != 0 ? 1 : 0); });
+                 [](float v) -> std::uint8_t { return v != 0; });
 }
 
 std::optional<BorderHit> BorderPath::first_hit(const Vec3& from_mm, const Vec3& to_mm) const {

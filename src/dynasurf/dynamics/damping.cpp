@@ -17,12 +17,8 @@ constexpr std::size_t kDampingGrain = 4096;
 template <class Share>
 Image raised(const Grid& grid, double drag, double ratio, Share share) {
   Image map(grid);
-  const std::size_t nx = grid.dims[0], ny = grid.dims[1];
   parallel_for(map.values.size(), kDampingGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const Index3 at{static_cast<int>(v % nx), static_cast<int>(v / nx % ny), static_cast<int>(v / (nx * ny))};
-      map.values[v] = drag * (1 + ratio * share(at));
-    }
+    for (std::size_t v = begin; v < end; ++v) map.values[v] = drag * (1 + ratio * share(voxel_in(grid.dims, v)));
   });
   return map;
 }

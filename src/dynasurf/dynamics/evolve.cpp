@@ -313,7 +313,7 @@ class Run {
   EvolutionResult finish() {
     keep_trajectory(options_.trajectory_every > 0 && result_.steps % options_.trajectory_every != 0);
     const auto stopped = std::count(result_.stopped.begin(), result_.stopped.end(), std::uint8_t{1});
-    result_.stopped_fraction = stopped / static_cast<double>(result_.stopped.size());
+    result_.stopped_fraction = 1.0 * stopped / result_.stopped.size();
     note_fast_particle();
     if (coupled_ && coupled_->unsolved_steps() > 0)
       note(Severity::warning, "evolve.unsolved_steps", [&](auto& text) {

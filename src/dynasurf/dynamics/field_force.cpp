@@ -1,5 +1,6 @@
 #include "dynasurf/dynamics/detail/field_force.hpp"
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
 namespace dynasurf::dynamics {
@@ -32,12 +33,8 @@ class NearestMotion {
  private:
   std::size_t width() const { return dims_[0]; }
   std::size_t height() const { return dims_[1]; }
-  /// Nearest voxel inside the grid; comparisons before the conversion keep far and broken positions harmless.
-  std::size_t voxel(double mm, std::size_t axis) const {
-    const double t = mm * per_mm_[axis] + 0.5;
-    if (!(t > 0)) return 0;
-    return t < dims_[axis] ? static_cast<std::size_t>(static_cast<int>(t)) : static_cast<std::size_t>(dims_[axis] - 1);
-  }
+  /// Nearest voxel inside the grid.
+  std::size_t voxel(double mm, std::size_t axis) const { return whole_within(mm * per_mm_[axis] + 0.5, dims_[axis]); }
 
   const float *x_, *y_, *z_;
   Vec3 per_mm_;

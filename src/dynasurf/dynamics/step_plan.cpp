@@ -13,7 +13,7 @@ constexpr double kShareOfLimit = 0.8;   // of the largest stable step
 constexpr double kVoxelsPerStep = 0.3;  // the automatic step keeps the steady speed below this
 constexpr double kRunaway = 100;        // times the fastest speed the field can give
 
-int steps_to_cross(double way_mm, double per_step_mm) { return static_cast<int>(std::min(way_mm / per_step_mm, 1e9)); }
+int steps_to_cross(double way_mm, double per_step_mm) { return std::min(way_mm / per_step_mm, 1e9); }
 
 /// Falling all through the room, or the steady speed at which the drag balances the field.
 double fastest_mm_s(double force, double particle_kg, double drag, const Room& room) {
@@ -68,7 +68,7 @@ StepPlan plan_steps(const Evolution& o, std::size_t particles, const Pace& pace,
   plan.stray_steps = steps_to_cross(plan.stray_mm, plan.rest_mm);
   // Nor have particles that begin without speed gained any in a few shorter steps: nobody rests before moving in the
   // time of the usual ones.
-  plan.start_steps = static_cast<int>(std::min(o.end.still_steps * std::max(0.0, usual_s / plan.step_s - 1), 1e9));
+  plan.start_steps = std::min(o.end.still_steps * std::max(0.0, usual_s / plan.step_s - 1), 1e9);
   return plan;
 }
 

@@ -13,7 +13,7 @@ double largest_gradient_squared(const Image& f) {
   const Index3& n = f.grid.dims;
   return parallel_max(n[2], 4, [&](std::size_t begin, std::size_t end) {
     double largest = 0;
-    for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k)
+    for (std::size_t k = begin; k < end; ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i) largest = std::max(largest, gradient_at(f, i, j, k).squaredNorm());
     return largest;

@@ -67,12 +67,8 @@ struct Layout {
   std::size_t stride, size;
 
   explicit Layout(const Index3& n)
-      : nx(n[0]),
-        ny(n[1]),
-        nz(n[2]),
-        stride((static_cast<std::size_t>(n[0]) + 2 + 15) / 16 * 16),
-        size(stride * n[1] * n[2] + 32) {}
-  std::size_t row(int j, int k) const { return 16 + stride * (j + ny * static_cast<std::size_t>(k)); }
+      : nx(n[0]), ny(n[1]), nz(n[2]), stride((n[0] + 2 + 15) / 16 * 16), size(stride * n[1] * n[2] + 32) {}
+  std::size_t row(int j, int k) const { return 16 + stride * index_in({ny, nz, 1}, {j, k, 0}); }
 };
 
 /// What an iteration reads and writes.
@@ -88,7 +84,7 @@ struct Sweep {
   Sweep(const Index3& dims, bool generalised) : layout(dims), pull(layout.size), spread(generalised ? layout.size : 0) {
     for (auto* group : {&from, &to, &gradient})
       for (auto& component : *group) component = detail::FloatBuffer(layout.size);
-    has_pull.resize(dims[1] * static_cast<std::size_t>(dims[2]));
+    has_pull.resize(size_of({1, dims[1], dims[2]}));
   }
 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/field/band.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
@@ -19,15 +20,9 @@ const Grid& grid_of(const VectorField& f) { return f.grid; }
 Vec3 at(const BandField& f, int i, int j, int k) { return f.at(i, j, k); }
 const Grid& grid_of(const BandField& f) { return f.grid(); }
 
-/// Whole part of a position, kept inside the axis before it becomes an int: far points must not overflow.
-int cell(double position, int count) {
-  if (!(position > 0)) return 0;
-  return position >= count ? count - 1 : static_cast<int>(position);
-}
-
 Index3 nearest_voxel(const Grid& g, const Vec3& p) {
   Index3 v;
-  for (int a = 0; a < 3; ++a) v[a] = cell(p[a] / g.spacing[a] + 0.5, g.dims[a]);
+  for (int a = 0; a < 3; ++a) v[a] = whole_within(p[a] / g.spacing[a] + 0.5, g.dims[a]);
   return v;
 }
 
@@ -48,8 +43,8 @@ Vec3 trilinear(const F& f, const Vec3& p) {
   Vec3 t;
   for (int a = 0; a < 3; ++a) {
     const int last = g.dims[a] - 1;
-    const double position = std::clamp(p[a] / g.spacing[a], 0.0, static_cast<double>(last));
-    low[a] = cell(position, g.dims[a]);
+    const double position = std::clamp<double>(p[a] / g.spacing[a], 0, last);
+    low[a] = whole_within(position, g.dims[a]);
     high[a] = std::min(low[a] + 1, last);
     t[a] = position - low[a];
   }

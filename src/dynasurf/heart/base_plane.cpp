@@ -66,7 +66,7 @@ double surroundings(const Image& image, const LvShell& cup, const ShellBasis& a)
 /// Height over the cup's centre at which the wall ends on a meridian.
 std::optional<double> end_of_wall(const Meridian& m, double from, double background, double typical,
                                   double level_share) {
-  const auto first = static_cast<std::size_t>(std::max(0.0, (from - m.low) / step_mm));
+  const std::size_t first = std::max(0.0, (from - m.low) / step_mm);
   if (first + 2 >= m.brightness.size()) return std::nullopt;
   const double plateau = quantile(first_of(m.brightness, first + 1), 0.7);
   // In a defect the wall is as dark as its end.
@@ -130,12 +130,13 @@ WallProfiles look_at_wall(const Image& image, const LvShell& cup) {
   WallProfiles wall{cup, {}};
   const ShellBasis a = across(cup.axis);
   const double low = -0.6 * cup.half_length_mm, high = 1.3 * cup.half_length_mm + 15;
+  const std::size_t below = -low / step_mm;
   std::vector<double> middle;
   for (int d = 0; d < meridian_count; ++d) {
     const double angle = 2 * std::numbers::pi * d / meridian_count;
     wall.meridians.push_back(walk(image, cup, own::cos(angle) * a.u + own::sin(angle) * a.v, low, high));
     const auto& brightness = wall.meridians.back().brightness;
-    middle.push_back(quantile(first_of(brightness, static_cast<std::size_t>(-low / step_mm) + 1), 0.7));
+    middle.push_back(quantile(first_of(brightness, below + 1), 0.7));
   }
   wall.typical = quantile(middle, 0.6);
   // Surroundings as bright as the wall would leave it no end to be seen.
@@ -157,7 +158,7 @@ std::optional<BasePlane> find_base_plane(const WallProfiles& wall, double level_
       cut += m.is_cut;
     }
   }
-  const double seen = static_cast<double>(ends.size()) / meridian_count;
+  const double seen = 1.0 * ends.size() / meridian_count;
   if (seen < least_seen) return std::nullopt;
 
   const Eigen::Vector3d p = fit_plane(ends);
@@ -165,7 +166,7 @@ std::optional<BasePlane> find_base_plane(const WallProfiles& wall, double level_
   plane.point = cup.centre + p[0] * cup.axis;
   plane.normal = (cup.axis - p[1] * a.u - p[2] * a.v).normalized();
   plane.seen = seen;
-  plane.cut = static_cast<double>(cut) / meridian_count;
+  plane.cut = 1.0 * cut / meridian_count;
   std::vector<double> away;
   away.reserve(ends.size());
   for (const End& e : ends) away.push_back(std::abs(e.z - p[0] - p[1] * e.x - p[2] * e.y));

@@ -124,7 +124,7 @@ double share_of_ridge(const Image& image, const LvShell& cup, double brightness,
     ++seen;
     if (away) away->push_back(std::abs(p.offset_mm));
   }
-  return seen / static_cast<double>(ridge.size());
+  return 1.0 * seen / ridge.size();
 }
 
 /// The part of the image that every way to lay a cup has to explain.
@@ -166,7 +166,7 @@ double explained_share(const Scene& scene, const LvShell& cup) {
     right += value * row;
     sum += value, squares += value * value, ++count;
   };
-  const int steps = static_cast<int>(scene.reach_mm / step_mm);
+  const int steps = scene.reach_mm / step_mm;
   for (int k = -steps; k <= steps; ++k)
     for (int j = -steps; j <= steps; ++j)
       for (int i = -steps; i <= steps; ++i)

@@ -196,7 +196,7 @@ double share_outside(const Grid& grid, const LvShell& cup) {
       const ShellPoint at = on_cup(cup, a, top * (r + 0.5) / rows, 2 * pi * d / around);
       outside += !is_inside(grid, at.position + half_wall_mm * at.normal);
     }
-  return static_cast<double>(outside) / (rows * around);
+  return 1.0 * outside / (rows * around);
 }
 
 std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int rows, int around, double reach_mm) {

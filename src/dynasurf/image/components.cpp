@@ -37,7 +37,7 @@ PixelMean mean_of(const std::vector<Pixel>& pixels) {
 std::vector<Component> components_of_slice(const Mask& mask, int k) {
   const int width = mask.grid.dims[0], height = mask.grid.dims[1];
   const auto begin = mask.values.begin() + mask.grid.index(0, 0, k);
-  std::vector<std::uint8_t> open(begin, begin + static_cast<std::ptrdiff_t>(width) * height);
+  std::vector<std::uint8_t> open(begin, begin + mask.grid.slice_size());
   std::vector<Component> components;
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i)

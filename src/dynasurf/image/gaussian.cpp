@@ -46,7 +46,7 @@ std::vector<double> half_gaussian(double sigma, std::optional<int> reach) {
 // A whole row per pair of taps: the inner loops run over neighbours in memory.
 Image convolve_along(const Image& image, std::span<const double> half, int axis) {
   const Index3 dims = image.grid.dims;
-  const int width = dims[0], reach = static_cast<int>(half.size()) - 1;
+  const int width = dims[0], reach = std::ssize(half) - 1;
   Image result(image.grid);
   if (result.values.empty()) return result;
   parallel_for(dims[2], 1, [&](int begin, int end) {

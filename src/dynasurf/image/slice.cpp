@@ -28,7 +28,7 @@ namespace {
 
 /// Convolves a line of doubles that is padded by the radius on both sides; fills the padding.
 void smooth_line(const std::vector<double>& w, int count, std::vector<double>& padded, double* out) {
-  const int radius = static_cast<int>(w.size()) - 1;
+  const int radius = std::ssize(w) - 1;
   std::fill_n(padded.begin(), radius, padded[radius]);
   std::fill_n(padded.begin() + radius + count, radius, padded[radius + count - 1]);
   for (int i = 0; i < count; ++i) out[i] = w[0] * padded[radius + i];
@@ -43,15 +43,15 @@ void smooth_line(const std::vector<double>& w, int count, std::vector<double>& p
 }  // namespace
 
 void smooth(Slice& slice, const std::vector<double>& w) {
-  const int width = slice.width, height = slice.height, radius = static_cast<int>(w.size()) - 1;
+  const Index width = slice.width, height = slice.height, radius = std::ssize(w) - 1;
   if (radius == 0) return;
   std::vector<double> rows(slice.values.size());
   std::vector<double> line(std::max(width, height) + 2 * radius);
   std::vector<double> column(height);
-  for (int j = 0; j < height; ++j) {
-    const auto row = slice.values.begin() + static_cast<std::ptrdiff_t>(j) * width;
+  for (Index j = 0; j < height; ++j) {
+    const auto row = slice.values.begin() + j * width;
     std::copy(row, row + width, line.begin() + radius);
-    smooth_line(w, width, line, rows.data() + static_cast<std::ptrdiff_t>(j) * width);
+    smooth_line(w, width, line, rows.data() + j * width);
   }
   for (int i = 0; i < width; ++i) {
     for (int j = 0; j < height; ++j) line[radius + j] = rows[j * width + i];

@@ -97,17 +97,17 @@ Header read_header(TextReader& text) {
 double value_of(const char* at, const Field& f) {
   switch (f.type) {
     case 'F':
-      return f.bytes == 4 ? static_cast<double>(load<float>(at)) : load<double>(at);
+      return f.bytes == 4 ? load<float>(at) : load<double>(at);
     case 'U':
-      return f.bytes == 1   ? static_cast<double>(load<std::uint8_t>(at))
-             : f.bytes == 2 ? static_cast<double>(load<std::uint16_t>(at))
-             : f.bytes == 4 ? static_cast<double>(load<std::uint32_t>(at))
-                            : static_cast<double>(load<std::uint64_t>(at));
+      return f.bytes == 1   ? load<std::uint8_t>(at)
+             : f.bytes == 2 ? load<std::uint16_t>(at)
+             : f.bytes == 4 ? load<std::uint32_t>(at)
+                            : load<std::uint64_t>(at);
     default:
-      return f.bytes == 1   ? static_cast<double>(load<std::int8_t>(at))
-             : f.bytes == 2 ? static_cast<double>(load<std::int16_t>(at))
-             : f.bytes == 4 ? static_cast<double>(load<std::int32_t>(at))
-                            : static_cast<double>(load<std::int64_t>(at));
+      return f.bytes == 1   ? load<std::int8_t>(at)
+             : f.bytes == 2 ? load<std::int16_t>(at)
+             : f.bytes == 4 ? load<std::int32_t>(at)
+                            : load<std::int64_t>(at);
   }
 }
 

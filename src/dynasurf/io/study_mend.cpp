@@ -18,13 +18,8 @@ constexpr float times_all_else = 2;          // than which the brightest of othe
 constexpr std::size_t least_neighbours = 7;  // of the corner of a volume; in less of one nothing stands alone
 constexpr std::size_t most_hot_voxels = 16;
 
-Index3 place_of(const Grid& grid, std::size_t voxel) {
-  const std::size_t nx = grid.dims[0], ny = grid.dims[1];
-  return {static_cast<int>(voxel % nx), static_cast<int>(voxel / nx % ny), static_cast<int>(voxel / nx / ny)};
-}
-
 std::string voxel_text(const Grid& grid, std::size_t voxel, std::size_t gate) {
-  const Index3 p = place_of(grid, voxel);
+  const Index3 p = voxel_in(grid.dims, voxel);
   return "voxel (" + std::to_string(p[0]) + "," + std::to_string(p[1]) + "," + std::to_string(p[2]) + ") of gate " +
          std::to_string(gate + 1);
 }
@@ -32,7 +27,7 @@ std::string voxel_text(const Grid& grid, std::size_t voxel, std::size_t gate) {
 /// Calls `use(index)` for the six neighbours within the grid.
 template <class Use>
 void each_beside(const Grid& grid, std::size_t voxel, const Use& use) {
-  const Index3 p = place_of(grid, voxel);
+  const Index3 p = voxel_in(grid.dims, voxel);
   std::size_t stride = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     if (p[a] > 0) use(voxel - stride);
@@ -42,7 +37,7 @@ void each_beside(const Grid& grid, std::size_t voxel, const Use& use) {
 }
 
 bool is_on_rim(const Grid& grid, std::size_t voxel) {
-  const Index3 p = place_of(grid, voxel);
+  const Index3 p = voxel_in(grid.dims, voxel);
   for (std::size_t a = 0; a < 3; ++a)
     // The two faces across a single slice are no rim: all of it would be one.
     if (grid.dims[a] > 1 && (p[a] == 0 || p[a] + 1 == grid.dims[a])) return true;
@@ -84,7 +79,7 @@ struct HotVoxel {
 };
 
 std::vector<float> neighbours_of(const Image& image, std::size_t voxel) {
-  const Index3 p = place_of(image.grid, voxel);
+  const Index3 p = voxel_in(image.grid.dims, voxel);
   std::vector<float> values;
   for (int k = p[2] - 1; k <= p[2] + 1; ++k)
     for (int j = p[1] - 1; j <= p[1] + 1; ++j)

@@ -12,7 +12,7 @@ namespace dynasurf::mesh {
 namespace {
 
 /// Voxel nearest to a coordinate given in voxels, inside the grid.
-int nearest_index(double x, int count) { return static_cast<int>(std::clamp(std::floor(x + 0.5), 0.0, count - 1.0)); }
+int nearest_index(double x, int count) { return whole_within(x + 0.5, count); }
 
 double square(double x) { return x * x; }
 
@@ -29,17 +29,17 @@ std::vector<double> for_all_vertices(const TriMesh& mesh, Distance&& distance) {
 
 BorderDistance::BorderDistance(const Image& border)
     : grid_(border.grid), before_(border.values.size(), -1), after_(border.values.size(), -1) {
-  const auto width = static_cast<std::size_t>(grid_.dims[0]);
+  const std::size_t width = grid_.dims[0];
   for (std::size_t row = 0; row < border.values.size(); row += width) {
     std::int32_t last = -1;
     for (std::size_t i = 0; i < width; ++i) {
-      if (border.values[row + i] != 0) last = static_cast<std::int32_t>(i), empty_ = false;
+      if (border.values[row + i] != 0) last = i, empty_ = false;
       before_[row + i] = last;
     }
     last = -1;
     for (std::size_t i = width; i > 0;) {
       --i;
-      if (border.values[row + i] != 0) last = static_cast<std::int32_t>(i);
+      if (border.values[row + i] != 0) last = i;
       after_[row + i] = last;
     }
   }
@@ -97,7 +97,7 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
   constexpr double samples_per_voxel = 3;  // along the edges of a triangle: misses a reach by a few hundredths
   constexpr double most_samples = 3000;    // along an edge: only triangles larger than any grid are sampled coarser
   const Grid& g = border.grid;
-  const auto inside = [&](double at, int a) { return static_cast<int>(std::clamp(at, 0.0, g.dims[a] - 1.0)); };
+  const auto inside = [&](double at, int a) { return whole_within(at, g.dims[a]); };
   std::vector<std::uint8_t> reached(border.values.size(), 0);
   const auto reach_from = [&](const Vec3& p) {  // in voxels
     Index3 low, high;
@@ -119,14 +119,14 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
     for (int n = 0; n < 3; ++n) is_near = is_near && high[n] > -reach_voxels && low[n] < g.dims[n] - 1 + reach_voxels;
     if (!is_near) continue;
     const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()}));
-    const int n = static_cast<int>(std::clamp(std::ceil(samples_per_voxel * longest), 1.0, most_samples));
+    const int n = std::clamp(std::ceil(samples_per_voxel * longest), 1.0, most_samples);
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) reach_from(a + (i * u + j * v) / n);
   }
   std::size_t all = 0, near = 0;
   for (std::size_t v = 0; v < reached.size(); ++v)
     if (border.values[v] != 0) ++all, near += reached[v];
-  return all > 0 ? near / static_cast<double>(all) : 1;
+  return all > 0 ? 1.0 * near / all : 1;
 }
 
 std::vector<double> distances_to_border_voxels(const TriMesh& mesh, const Image& border) {

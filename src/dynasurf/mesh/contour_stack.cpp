@@ -41,7 +41,7 @@ std::vector<Contour> even_contours(const ContourStack& stack, const Tessellation
   double longest = 0;
   for (const Contour& c : stack.contours) {
     if (c.size() < 3) throw InputError("a contour of fewer than 3 points in a stack; expected closed ones");
-    centre += centroid_of(c) / static_cast<double>(stack.contours.size());
+    centre += centroid_of(c) / (1.0 * stack.contours.size());
     longest = std::max(longest, length_of(c));
   }
   std::vector<Contour> even;
@@ -87,7 +87,8 @@ Rings join(const ContourStack& stack, const std::vector<Contour>& even, const Te
            const CapHeights& caps) {
   Rings r;
   for (std::size_t k = 0; k < even.size(); ++k) {
-    r.rings.push_back({static_cast<std::uint32_t>(r.mesh.vertices.size()), static_cast<std::uint32_t>(even[k].size())});
+    const std::uint32_t first = r.mesh.vertices.size(), count = even[k].size();
+    r.rings.push_back({first, count});
     for (const Vec2& p : even[k].points) r.mesh.vertices.push_back(raised(p, stack.z_mm[k]));
   }
   const auto begin_part = [&] { r.first_triangle.push_back(r.mesh.triangles.size()); };

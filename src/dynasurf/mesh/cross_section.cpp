@@ -1,5 +1,6 @@
 #include <unordered_map>
 
+#include "dynasurf/core/detail/edge_key.hpp"
 #include "dynasurf/mesh/measures.hpp"
 
 namespace dynasurf::mesh {
@@ -12,10 +13,6 @@ struct Piece {
   Vec3 from_point, to_point;
   bool used = false;
 };
-
-std::uint64_t name_of_side(std::uint32_t a, std::uint32_t b) {
-  return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
-}
 
 class Cut {
  public:
@@ -33,7 +30,7 @@ class Cut {
         if (above(a) == above(b)) continue;
         is_cut = true;
         // Downwards the piece begins, upwards it ends: counter-clockwise about the normal for an outer surface.
-        (above(a) ? piece.from : piece.to) = name_of_side(a, b);
+        (above(a) ? piece.from : piece.to) = edge_key(a, b);
         (above(a) ? piece.from_point : piece.to_point) = crossing(std::min(a, b), std::max(a, b));
       }
       if (is_cut) result.push_back(piece);

@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/mesh/detail/surface_editor.hpp"
 #include "dynasurf/mesh/intersections.hpp"
 
@@ -61,7 +62,7 @@ void CrossingGuard::fill() {
 }
 
 CrossingGuard::Cell CrossingGuard::cell_of(const Vec3& p) const {
-  const auto whole = [&](double x) { return static_cast<int>(std::clamp(std::floor(x / side_), -1e9, 1e9)); };
+  const auto whole = [&](double x) { return floor_int(std::clamp(x / side_, -1e9, 1e9)); };
   return {whole(p[0]), whole(p[1]), whole(p[2])};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf::mesh {
@@ -37,18 +38,19 @@ struct Columns {
         ny(g.dims[1] * per[1]),
         step_x(g.spacing[0] / per[0]),
         step_y(g.spacing[1] / per[1]),
-        heights(static_cast<std::size_t>(nx) * ny) {}
+        heights(size_of({nx, ny, 1})) {}
 
+  std::size_t at(int f, int g) const { return index_in({nx, ny, 1}, {f, g, 0}); }
   double x_of(int f) const { return (f + 0.5) * step_x - grid.spacing[0] / 2; }
   double y_of(int g) const { return (g + 0.5) * step_y - grid.spacing[1] / 2; }
   /// First column at or beyond x, within the grid.
   int first_x(double x) const {
-    int f = static_cast<int>(std::clamp((x + grid.spacing[0] / 2) / step_x - 1.5, 0.0, static_cast<double>(nx)));
+    int f = std::clamp<double>((x + grid.spacing[0] / 2) / step_x - 1.5, 0, nx);
     while (f < nx && x_of(f) < x) ++f;
     return f;
   }
   int first_y(double y) const {
-    int g = static_cast<int>(std::clamp((y + grid.spacing[1] / 2) / step_y - 1.5, 0.0, static_cast<double>(ny)));
+    int g = std::clamp<double>((y + grid.spacing[1] / 2) / step_y - 1.5, 0, ny);
     while (g < ny && y_of(g) < y) ++g;
     return g;
   }
@@ -72,7 +74,7 @@ void add_triangle(Columns& columns, const TriMesh& mesh, const std::array<std::u
     const double width = ends[1].x - ends[0].x;
     for (int f = columns.first_x(ends[0].x); f < columns.nx && columns.x_of(f) < ends[1].x; ++f) {
       const double s = (columns.x_of(f) - ends[0].x) / width;
-      columns.heights[static_cast<std::size_t>(g) * columns.nx + f].push_back(ends[0].z + s * (ends[1].z - ends[0].z));
+      columns.heights[columns.at(f, g)].push_back(ends[0].z + s * (ends[1].z - ends[0].z));
     }
   }
 }
@@ -82,7 +84,7 @@ void add_span(std::vector<double>& parts, const Grid& grid, int i, int j, double
   const double dz = grid.spacing[2], top = (grid.dims[2] - 0.5) * dz;
   low = std::clamp(low, -dz / 2, top);
   high = std::clamp(high, -dz / 2, top);
-  for (int k = std::max(0, static_cast<int>((low + dz / 2) / dz)); k < grid.dims[2] && (k - 0.5) * dz < high; ++k) {
+  for (int k = whole_within((low + dz / 2) / dz, grid.dims[2]); k < grid.dims[2] && (k - 0.5) * dz < high; ++k) {
     const double overlap = std::min(high, (k + 0.5) * dz) - std::max(low, (k - 0.5) * dz);
     if (overlap > 0) parts[grid.index(i, j, k)] += weight * overlap / dz;
   }
@@ -95,10 +97,10 @@ Image fill_mesh(const Grid& grid, const TriMesh& mesh, const Index3& sub_samples
   for (const auto& t : mesh.triangles) add_triangle(columns, mesh, t);
 
   std::vector<double> parts(grid.size(), 0.0);
-  const double weight = 1.0 / (static_cast<double>(columns.per_x) * columns.per_y);
+  const double weight = 1.0 / (1.0 * columns.per_x * columns.per_y);
   for (int g = 0; g < columns.ny; ++g)
     for (int f = 0; f < columns.nx; ++f) {
-      auto& heights = columns.heights[static_cast<std::size_t>(g) * columns.nx + f];
+      auto& heights = columns.heights[columns.at(f, g)];
       if (heights.size() % 2 != 0) throw InputError("fill_mesh: the mesh is not closed; expected a closed surface");
       std::sort(heights.begin(), heights.end());
       for (std::size_t n = 0; n + 1 < heights.size(); n += 2)

@@ -3,6 +3,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "dynasurf/core/detail/edge_key.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
@@ -33,8 +34,7 @@ TriMesh subdivide(const TriMesh& coarse) {
   std::unordered_map<std::uint64_t, std::uint32_t> midpoint_of;
   midpoint_of.reserve(coarse.triangles.size() * 2);
   const auto midpoint = [&](std::uint32_t a, std::uint32_t b) {
-    const std::uint64_t edge = (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
-    const auto [where, is_new] = midpoint_of.try_emplace(edge, static_cast<std::uint32_t>(fine.vertices.size()));
+    const auto [where, is_new] = midpoint_of.try_emplace(edge_key(a, b), fine.vertices.size());
     if (is_new) fine.vertices.push_back((coarse.vertices[a] + coarse.vertices[b]).normalized());
     return where->second;
   };

@@ -94,7 +94,7 @@ TriMesh at_phase(std::span<const TriMesh> cycle, double phase, TimeInterpolation
   // g/n times n need not be g again.
   if (std::abs(keys_passed - std::round(keys_passed)) < 1e-12 * n) keys_passed = std::round(keys_passed);
   const double whole = std::floor(keys_passed);
-  const std::size_t i = static_cast<std::size_t>(whole) % n;
+  const std::size_t passed = whole, i = passed % n;
   const double a = keys_passed - whole;
   const std::vector<double> share = shares_of(how, n, i, a);
 

@@ -127,13 +127,13 @@ class Marching {
     for (int k = 0; k < dims[2]; ++k)
       for (int j = 0; j < dims[1]; ++j) {
         std::uint64_t* bits = above_.data() + row_of(j, k);
-        for (std::size_t i = 1; i <= static_cast<std::size_t>(dims[0]); ++i, ++value)
+        for (std::size_t i = 1; i < width_ - 1; ++i, ++value)
           bits[i / 64] |= std::uint64_t{*value - level_ >= 0} << (i % 64);
       }
   }
 
   std::size_t row_of(int j, int k) const {
-    return words_ * ((j + 1) + (image_.grid.dims[1] + 2) * static_cast<std::size_t>(k + 1));
+    return words_ * index_in({1, image_.grid.dims[1] + 2, 1}, {0, j + 1, k + 1});
   }
 
   /// Visits the cells of a row that have corners above the level and others below, 64 of them told at a time.
@@ -198,8 +198,9 @@ class Marching {
         mesh_.triangles.push_back({v[from], v[(from + n) % loop.size], v[(from + n + 1) % loop.size]});
       return;
     }
+    const double count = loop.size;
     Vec3 middle = Vec3::Zero();
-    for (std::size_t n = 0; n < loop.size; ++n) middle += mesh_.vertices[v[n]] / static_cast<double>(loop.size);
+    for (std::size_t n = 0; n < loop.size; ++n) middle += mesh_.vertices[v[n]] / count;
     const std::uint32_t centre = mesh_.vertices.size();
     mesh_.vertices.push_back(middle);
     for (std::size_t n = 0; n < loop.size; ++n) mesh_.triangles.push_back({centre, v[n], v[(n + 1) % loop.size]});

@@ -18,7 +18,7 @@ class Squares {
  public:
   Squares(const Image& image, int k, double level, Saddle saddle)
       : image_(image), k_(k), level_(level), saddle_(saddle), width_(image.grid.dims[0]), height_(image.grid.dims[1]) {
-    next_.assign(2 * static_cast<std::size_t>(width_) * height_, -1);
+    next_.assign(2 * image.grid.slice_size(), -1);
     is_reached_.assign(next_.size(), 0);
     for (int j = 0; j + 1 < height_; ++j)
       for (int i = 0; i + 1 < width_; ++i) visit(i, j);

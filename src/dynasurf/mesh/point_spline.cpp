@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/error.hpp"
 
 namespace dynasurf::mesh {
@@ -20,7 +21,7 @@ PointSpline::PointSpline(std::span<const Vec3> rest, double smoothing) : rest_(r
   require_finite(rest);
   const Eigen::Index n = rest.size();
   // Lengths near 1 keep the system well scaled.
-  for (const Vec3& p : rest) middle_ += p / static_cast<double>(n);
+  middle_ = mean_point(rest);
   size_ = 0;
   for (const Vec3& p : rest) size_ = std::max(size_, (p - middle_).norm());
   const auto scaled = [&](const Vec3& p) -> Vec3 { return (p - middle_) / size_; };

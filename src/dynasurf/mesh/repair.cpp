@@ -62,9 +62,10 @@ bool has_single_fans(const TriMesh& mesh) {
 }
 
 Vec3 centroid_of(std::span<const Vec3> p, Ring ring) {
+  const double count = ring.size();
   Vec3 centroid = Vec3::Zero();
   for (const std::uint32_t n : ring) centroid += p[n];
-  return centroid / static_cast<double>(ring.size());
+  return centroid / count;
 }
 
 /// What a place of a vertex is worth: the worst triangle around it, and how far one turns from the fan's normal.

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/mesh/detail/convex_hull.hpp"
@@ -42,7 +43,7 @@ void fill_slice(const Image& border, std::size_t axis, int slice, Image& solid) 
     at[axis] = slice, at[a] = u, at[b] = v;
     return border.grid.index(at[0], at[1], at[2]);
   };
-  std::vector<std::uint8_t> outside(width * static_cast<std::size_t>(height), 0);
+  std::vector<std::uint8_t> outside(size_of({width, height, 1}), 0);
   std::vector<std::array<int, 2>> open;
   const auto reach = [&](int u, int v) {
     if (u < 0 || v < 0 || u >= width || v >= height) return;
@@ -94,8 +95,7 @@ TriMesh radial_start(const Image& border, int level, const Placement& options) {
   const TriMesh unit = icosphere(level), box = place(unit, border, {.scale = 1});
   const double scale = options.direction == Direction::in_to_out ? options.inside_scale : options.scale;
   const Image solid = enclosed_solid(border);
-  Vec3 centre = Vec3::Zero();
-  for (const Vec3& p : box.vertices) centre += p / static_cast<double>(box.vertices.size());
+  const Vec3 centre = mean_point(box.vertices);
   TriMesh start = box;
   for (Vec3& p : start.vertices) {
     const Vec3 ray = p - centre;
@@ -119,7 +119,7 @@ TriMesh cube_surface(int cells) {
   TriMesh mesh;
   std::map<Index3, std::uint32_t> vertex_at;
   const auto vertex = [&](const Index3& at) {
-    const auto [where, is_new] = vertex_at.try_emplace(at, static_cast<std::uint32_t>(mesh.vertices.size()));
+    const auto [where, is_new] = vertex_at.try_emplace(at, mesh.vertices.size());
     if (is_new) mesh.vertices.push_back(Vec3(at[0], at[1], at[2]) * 2 / cells - Vec3::Ones());
     return where->second;
   };

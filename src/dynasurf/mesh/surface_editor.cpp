@@ -170,7 +170,7 @@ std::uint32_t SurfaceEditor::split(std::uint32_t h, const Vec3& p) {
   const std::uint32_t v = positions_.size();
   positions_.push_back(p);
   const std::uint32_t bc = next(h), db = previous(o), bc_twin = twin(bc), db_twin = twin(db);
-  const auto s = static_cast<std::uint32_t>(from_.size()), r = s + 3;
+  const std::uint32_t s = from_.size(), r = s + 3;
   // h: a -> v -> c; s: v -> b -> c. o: v -> a -> d; r: b -> v -> d.
   from_.insert(from_.end(), {v, b, c, b, v, d});
   twin_.resize(from_.size());

@@ -46,7 +46,7 @@ TetMesh fill_between(const TriMesh& inner, const TriMesh& outer, int layers) {
   const std::uint32_t count = inner.vertices.size();
   TetMesh solid;
   for (int layer = 0; layer <= layers; ++layer) {
-    const double share = static_cast<double>(layer) / layers;
+    const double share = 1.0 * layer / layers;
     for (std::uint32_t v = 0; v < count; ++v)
       solid.vertices.push_back((1 - share) * inner.vertices[v] + share * outer.vertices[v]);
   }

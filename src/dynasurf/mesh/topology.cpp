@@ -62,8 +62,8 @@ Topology topology(const TriMesh& mesh) {
     if (triangles == 2 && ascending != 1) ++result.misoriented_edges;
   }
   result.components = count_components(result.vertices, sides);
-  result.euler =
-      static_cast<long>(result.vertices) - static_cast<long>(result.edges) + static_cast<long>(result.triangles);
+  const Index vertices = result.vertices, edges = result.edges, triangles = result.triangles;
+  result.euler = vertices - edges + triangles;
   return result;
 }
 

@@ -78,8 +78,7 @@ struct Heap {
   std::vector<double> own;    // per voxel
   std::vector<double> above;  // per column and height 0 to dims[2]: the areas of pieces in the voxel over it
 
-  explicit Heap(const Grid& g)
-      : grid(g), own(g.size(), 0.0), above(g.size() + static_cast<std::size_t>(g.dims[0]) * g.dims[1], 0.0) {}
+  explicit Heap(const Grid& g) : grid(g), own(g.size(), 0.0), above(g.size() + g.slice_size(), 0.0) {}
 
   void add_in_column(const Piece& piece, int i, int j) {
     const int nz = grid.dims[2];
@@ -113,7 +112,7 @@ void add_triangle(Heap& heap, const Piece& triangle) {
 /// Sums of a column end a few roundings beside none and all.
 float as_part(double sum) {
   constexpr double rounding = 1e-9;
-  return sum < rounding ? 0.0F : sum > 1 - rounding ? 1.0F : static_cast<float>(sum);
+  return sum < rounding ? 0.0F : sum > 1 - rounding ? 1.0F : sum;
 }
 
 }  // namespace

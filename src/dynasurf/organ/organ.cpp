@@ -34,7 +34,7 @@ std::array<double, 2> usual_values(const Image& image) {
   std::array<double, bins> count{}, sum{};
   for (const float v : image.values) {
     const double share = width > 0 ? (v - from) / width : 0;
-    const std::size_t bin = std::min(bins - 1, static_cast<std::size_t>(share * bins));
+    const auto bin = std::min<std::size_t>(bins - 1, share * bins);
     count[bin] += 1, sum[bin] += v;
   }
   double all = 0, total = 0;
@@ -78,8 +78,7 @@ struct Parts {
 };
 Parts parts_of(const std::vector<char>& inside, const Index3& dims) {
   Parts parts{std::vector<int>(inside.size(), -1), {}, {}};
-  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(dims[0]),
-                                          dims[0] * static_cast<std::size_t>(dims[1])};
+  const std::array<std::size_t, 3> stride{1, size_of({dims[0], 1, 1}), size_of({dims[0], dims[1], 1})};
   std::vector<std::size_t> open;
   for (std::size_t seed = 0; seed < inside.size(); ++seed) {
     if (!inside[seed] || parts.part[seed] >= 0) continue;

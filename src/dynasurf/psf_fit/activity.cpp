@@ -36,14 +36,14 @@ struct Blending {
 };
 Blending blending_of(const std::vector<Eigen::VectorXd>& gates, int first, int degree, const HeartCells& cells,
                      AlignedMatrix& field) {
-  const int count = harmonics_up_to(degree);
+  const std::size_t count = harmonics_up_to(degree);
   // What all gates have in common is summed once.
   const bool is_common = std::all_of(gates.begin(), gates.end(), [&](const Eigen::VectorXd& gate) {
     return gate.segment(first, count) == gates.front().segment(first, count);
   });
   field = AlignedMatrix(is_common ? 1 : gates.size(), cells.cell.size());
-  Blending blending{static_cast<std::size_t>(count), {}};
-  for (int k = 0; k < count; ++k)
+  Blending blending{count, {}};
+  for (std::size_t k = 0; k < count; ++k)
     for (std::size_t g = 0; g < field.count; ++g) blending.numbers.push_back(gates[g][first + k]);
   return blending;
 }
@@ -54,8 +54,8 @@ struct Plane {
   float height, along_x, along_y;
 };
 Plane plane_of(const GateLayout& layout, const Eigen::VectorXd& gate) {
-  return {static_cast<float>(gate[layout.plane]), static_cast<float>(gate[layout.plane + 1]),
-          static_cast<float>(gate[layout.plane + 2])};
+  const float height = gate[layout.plane], along_x = gate[layout.plane + 1], along_y = gate[layout.plane + 2];
+  return {height, along_x, along_y};
 }
 
 /// What the loops over cells read of the cells and of one gate.
@@ -66,16 +66,9 @@ struct GateCells {
   float edge_mm, cavity, background;
 };
 GateCells gate_cells(const HeartCells& cells, const GateLayout& layout, const Eigen::VectorXd& gate) {
-  return {cells.q.data(),
-          cells.edge_q.data(),
-          cells.x.data(),
-          cells.y.data(),
-          cells.z.data(),
-          cells.cell.size(),
-          plane_of(layout, gate),
-          static_cast<float>(cells.lattice.edge_mm),
-          static_cast<float>(gate[layout.cavity]),
-          static_cast<float>(gate[layout.background])};
+  const float edge_mm = cells.lattice.edge_mm, cavity = gate[layout.cavity], background = gate[layout.background];
+  return {cells.q.data(),    cells.edge_q.data(),    cells.x.data(), cells.y.data(), cells.z.data(),
+          cells.cell.size(), plane_of(layout, gate), edge_mm,        cavity,         background};
 }
 
 DYNASURF_CLONES
@@ -170,7 +163,8 @@ HeartCells select_cells(const CellLattice& lattice, const HeartFrame& frame, int
   });
   for (const auto& slice : of_slice) cells.cell.insert(cells.cell.end(), slice.begin(), slice.end());
   for (auto* values : {&cells.q, &cells.edge_q, &cells.x, &cells.y, &cells.z}) values->resize(cells.cell.size());
-  cells.harmonics = {static_cast<std::size_t>(harmonics_up_to(degree)), cells.cell.size()};
+  const std::size_t lines = harmonics_up_to(degree);
+  cells.harmonics = {lines, cells.cell.size()};
   parallel_for(cells.cell.size(), cells_at_once, [&](std::size_t begin, std::size_t end) {
     std::vector<double> values(cells.harmonics.count);
     const std::size_t row = lattice.count[0], plane = row * lattice.count[1];
@@ -243,8 +237,9 @@ void backpropagate_to_cells(const HeartCells& cells, const GateLayout& layout, c
                             const Activity& a, std::span<const float> by_cell, double by_cavity, double by_wall,
                             CellGradients& to, std::size_t g) {
   const std::size_t n = cells.cell.size();
-  const ByVolume volume{static_cast<float>((by_cavity - by_wall) * cells.lattice.cell_mm3()),
-                        static_cast<float>(by_wall * cells.lattice.cell_mm3())};
+  const float of_cavity = (by_cavity - by_wall) * cells.lattice.cell_mm3(),
+              of_wall = by_wall * cells.lattice.cell_mm3();
+  const ByVolume volume{of_cavity, of_wall};
   std::vector<float> by_active(n, 0.0F), by_height(n);
   if (!by_cell.empty())
     for (std::size_t c = 0; c < n; ++c) by_active[c] = by_cell[cells.cell[c]];
@@ -270,9 +265,9 @@ std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& l
   const std::size_t gates = numbers.size(), length = cells.harmonics.pitch();
   const std::array<const AlignedMatrix*, 3> field{&gradients.endo, &gradients.wall, &gradients.uptake};
   const std::array<int, 3> first{layout.endo, layout.wall, layout.uptake};
-  const std::array<std::size_t, 3> count{static_cast<std::size_t>(harmonics_up_to(layout.endo_degree)),
-                                         static_cast<std::size_t>(harmonics_up_to(layout.wall_degree)),
-                                         static_cast<std::size_t>(harmonics_up_to(layout.uptake_degree))};
+  const std::array<int, 3> degree{layout.endo_degree, layout.wall_degree, layout.uptake_degree};
+  std::array<std::size_t, 3> count{};
+  std::transform(degree.begin(), degree.end(), count.begin(), harmonics_up_to);
   const std::size_t pieces = (length + cells_at_once - 1) / cells_at_once;
   std::vector<std::vector<float>> sums(field.size() * pieces);  // field by field
   parallel_for(sums.size(), 1, [&](std::size_t task, std::size_t) {
@@ -282,8 +277,7 @@ std::vector<Eigen::VectorXd> gather(const HeartCells& cells, const GateLayout& l
   });
   for (std::size_t task = 0; task < sums.size(); ++task)
     for (std::size_t k = 0; k < count[task / pieces]; ++k)
-      for (std::size_t g = 0; g < gates; ++g)
-        numbers[g][first[task / pieces] + static_cast<Eigen::Index>(k)] += sums[task][k * gates + g];
+      for (std::size_t g = 0; g < gates; ++g) numbers[g][first[task / pieces] + k] += sums[task][k * gates + g];
   return numbers;
 }
 

@@ -45,14 +45,14 @@ struct Surroundings {
   std::vector<float> fade;           // from 1 at the fit's pixels to 0 at the rim
   std::vector<double> cosine, sine;  // of twice the direction of a transverse frequency, over the number of values
 
-  std::size_t values() const { return size[0] * static_cast<std::size_t>(size[1]) * size[2]; }
+  std::size_t values() const { return size_of(size); }
   /// at(place among the pixels, place in the box) for every pixel.
   template <class F>
   void for_all(const F& at) const {
     std::size_t n = 0;
     for (int k = 0; k < pixels.count[2]; ++k)
       for (int j = 0; j < pixels.count[1]; ++j) {
-        const std::size_t row = size[0] * (j + size[1] * static_cast<std::size_t>(k));
+        const std::size_t row = index_in(size, {0, j, k});
         for (int i = 0; i < pixels.count[0]; ++i, ++n) at(n, row + i);
       }
   }
@@ -89,7 +89,7 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
   const auto frequency = [&](int a, int k) {
     return (2 * k < s.size[a] ? k : k - s.size[a]) / (s.size[a] * pixels.joined[a] * pixels.spacing[a]);
   };
-  const double share = 1 / static_cast<double>(s.values());
+  const double share = 1.0 / s.values();
   for (int k = 0; k < s.size[2]; ++k)
     for (int j = 0; j < s.size[1]; ++j)
       for (int i = 0; i < s.size[0]; ++i) {
@@ -180,9 +180,6 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
   const Surroundings s = surroundings_of(study.grid(), pixels, frame);
   const std::vector<Term> terms = terms_of();
   const std::size_t gates = study.gates.size();
-  const auto own_pixel = [&](int i, int j, int k) {
-    return i + pixels.count[0] * (j + pixels.count[1] * static_cast<std::size_t>(k));
-  };
   const std::size_t row = s.pixels.count[0], plane = row * s.pixels.count[1];
   const auto in_box = [&](int i, int j, int k) {
     return (i + s.before[0]) + row * (j + s.before[1]) + plane * (k + s.before[2]);
@@ -190,11 +187,11 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
   const auto for_own_pixels = [&](const auto& visit) {
     for (int k = 0; k < pixels.count[2]; ++k)
       for (int j = 0; j < pixels.count[1]; ++j)
-        for (int i = 0; i < pixels.count[0]; ++i) visit(own_pixel(i, j, k), in_box(i, j, k));
+        for (int i = 0; i < pixels.count[0]; ++i) visit(index_in(pixels.count, {i, j, k}), in_box(i, j, k));
   };
   const auto image_of = [&](std::size_t g) {
     std::vector<float> values = join(study.gates[g], s.pixels);
-    for (float& v : values) v = std::isfinite(v) ? static_cast<float>(v / unit) : 0.0F;
+    for (float& v : values) v = std::isfinite(v) ? v / unit : 0;
     for_own_pixels([&](std::size_t own, std::size_t at) {
       if (weight[own] > 0) values[at] = model[g][own];
     });

@@ -125,13 +125,14 @@ std::optional<Refiltered> without_lobes(const Study& study, const PlacedStart& s
 /// else, or noise. Too dark ones are trusted as little as too bright ones, else noise would make the surroundings dark.
 void reweight_outliers(BeatProblem& problem, const std::vector<float>& first_weight, const std::vector<Place>& places,
                        const Objective& objective) {
+  const double gates = objective.residual.size();
   for (std::size_t n = 0; n < problem.weight.size(); ++n) {
     problem.weight[n] = first_weight[n];
     if (places[n].outside_mm <= 0) continue;
     double missing = 0;
-    for (const auto& residual : objective.residual)
-      missing -= residual[n] / static_cast<double>(objective.residual.size());
-    problem.weight[n] /= static_cast<float>(1 + own::pow(missing / usual_rest, 2));
+    for (const auto& residual : objective.residual) missing -= residual[n] / gates;
+    const float doubt = 1 + own::pow(missing / usual_rest, 2);
+    problem.weight[n] /= doubt;
   }
 }
 
@@ -237,11 +238,11 @@ std::vector<std::vector<float>> images_before_attenuation(const Fitting& fit) {
   const GateLayout& layout = problem.layout.gate;
   const Eigen::VectorXd numbers = problem.layout.at_gate(0, fit.solution.unknowns);
   std::vector<std::vector<float>> images = problem.values;
+  const Eigen::VectorXf share = numbers.segment(layout.attenuation, layout.attenuation_count).cast<float>();
   for (std::size_t g = 0; g < images.size(); ++g)
     for (std::size_t n = 0; n < images[g].size(); ++n) {
       images[g][n] += fit.solution.objective.residual[g][n];
-      for (int k = 0; k < layout.attenuation_count; ++k)
-        images[g][n] -= static_cast<float>(numbers[layout.attenuation + k]) * problem.attenuation[k][g][n];
+      for (int k = 0; k < layout.attenuation_count; ++k) images[g][n] -= share[k] * problem.attenuation[k][g][n];
     }
   return images;
 }

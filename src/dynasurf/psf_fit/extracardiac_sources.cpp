@@ -37,18 +37,18 @@ std::vector<float> correlate(const BeatProblem& problem, const std::vector<float
   const double sigma = sigma_of(problem) / std::sqrt(power);
   const Index3 dims = problem.pixels.count;
   std::vector<float> in = values, out;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]), dims[0] * static_cast<std::size_t>(dims[1])};
+  const Index stride[3] = {1, dims[0], Index{dims[0]} * dims[1]};
   for (int a = 0; a < 3; ++a) {
     const double pitch = problem.pixels.spacing[a] * problem.pixels.joined[a];
-    const int reach = static_cast<int>(3 * sigma / pitch);
+    const int reach = 3 * sigma / pitch;
     const int length = dims[a];
     out.assign(in.size(), 0.0F);
-    for (std::size_t n = 0; n < in.size(); ++n) {
+    for (Index n = 0; n < std::ssize(in); ++n) {
       const int at = n / stride[a] % length;
       for (int lag = std::max(-reach, -at); lag <= std::min(reach, length - 1 - at); ++lag) {
         const double x = lag * pitch;
         const float k = own::exp(-x * x / (2 * sigma * sigma));
-        out[n] += k * in[static_cast<std::ptrdiff_t>(n) + lag * static_cast<std::ptrdiff_t>(stride[a])];
+        out[n] += k * in[n + lag * stride[a]];
       }
     }
     in.swap(out);
@@ -78,7 +78,7 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
     for (std::size_t n = 0; n < missing.size(); ++n) missing[n] -= residual[n] / gates;
   const std::vector<float> norm = correlate(problem, problem.weight, 2);
   std::vector<ExtracardiacSource> blobs;
-  for (int pass = 0; pass < passes && static_cast<int>(blobs.size()) < most; ++pass) {
+  for (int pass = 0; pass < passes && std::ssize(blobs) < most; ++pass) {
     std::vector<float> weighted(missing.size());
     for (std::size_t n = 0; n < missing.size(); ++n) weighted[n] = missing[n] * problem.weight[n];
     std::vector<float> amplitude = correlate(problem, weighted, 1);
@@ -98,7 +98,7 @@ std::vector<ExtracardiacSource> find_extracardiac_sources(const BeatProblem& pro
                         problem.pixels.centre(2, n / plane));
       const bool near =
           std::any_of(taken.begin(), taken.end(), [&](const Vec3& t) { return (t - centre).norm() < apart; });
-      if (near || static_cast<int>(blobs.size()) >= most) continue;
+      if (near || std::ssize(blobs) >= most) continue;
       taken.push_back(centre);
       blobs.push_back({centre});
       const std::vector<float> image = blob_image(problem, blobs.back());

@@ -249,7 +249,7 @@ void describe_volumes(const VolumeGradients& by, const Cholesky& factor, FittedB
   Eigen::VectorXd mean_wall = Eigen::VectorXd::Zero(by.wall[0].size());
   for (std::size_t g = 0; g < gates; ++g) {
     beat.wall_ml.value += wall[g] / gates;
-    mean_wall += by.wall[g] / static_cast<double>(gates);
+    mean_wall += by.wall[g] / (1.0 * gates);
     if (beat.gates[g].endo_ml.value > beat.gates[beat.ed_gate].endo_ml.value) beat.ed_gate = g;
     if (beat.gates[g].endo_ml.value < beat.gates[beat.es_gate].endo_ml.value) beat.es_gate = g;
   }

@@ -42,11 +42,11 @@ double sample(const Image& image, const Vec3& p) {
 }
 
 /// Standard deviation of the Gaussian that has the values of one side of a peak, down to half of it.
-double deviation(const std::vector<double>& values, std::size_t peak, int step, double step_mm) {
+double deviation(const std::vector<double>& values, Index peak, int step, double step_mm) {
   double d4 = 0, d2 = 0;
   for (int n = 1;; ++n) {
-    const auto at = static_cast<std::ptrdiff_t>(peak) + n * step;
-    if (at < 0 || at >= static_cast<std::ptrdiff_t>(values.size())) break;
+    const Index at = peak + n * step;
+    if (at < 0 || at >= std::ssize(values)) break;
     const double share = values[at] / values[peak];
     if (share < 0.5 || share >= 1) break;
     const double d = n * step_mm;
@@ -93,9 +93,8 @@ std::optional<WallProfiles> profiles_of(const Image& image, const std::vector<Ra
     std::vector<double> profile;
     for (double d = 0; d <= to + 10; d += step_mm)
       profile.push_back(sample(image, start.frame.centre + d * ray.per_mm));
-    const auto first = profile.begin() + static_cast<std::ptrdiff_t>(from / step_mm);
-    const auto last =
-        profile.begin() + static_cast<std::ptrdiff_t>(std::min(to / step_mm, static_cast<double>(profile.size())));
+    const Index lowest = from / step_mm, end = std::min<double>(to / step_mm, profile.size());
+    const auto first = profile.begin() + lowest, last = profile.begin() + end;
     if (first >= last) continue;
     const std::size_t peak = std::max_element(first, last) - profile.begin();
     if (!(profile[peak] > 0)) continue;

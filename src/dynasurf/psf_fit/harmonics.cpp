@@ -19,7 +19,7 @@ void real_spherical_harmonics(const Vec3& unit, int degree, std::span<double> ou
   for (int m = 0; m <= degree; ++m) {
     double below = 0, here = p_mm;  // P(l - 1, m), P(l, m)
     double scale = std::sqrt(m == 0 ? 1.0 : 2.0);
-    for (int n = 1; n <= 2 * m; ++n) scale /= std::sqrt(static_cast<double>(n));
+    for (int n = 1; n <= 2 * m; ++n) scale /= std::sqrt(n);
     for (int l = m; l <= degree; ++l) {
       const double norm = scale * std::sqrt(2.0 * l + 1);
       const std::size_t middle = l * l + l;

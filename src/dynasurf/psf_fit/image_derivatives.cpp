@@ -118,13 +118,12 @@ class RayPainter {
       if (!is_seen(seen[p])) continue;
       for (std::size_t a = 0; a < 3; ++a) {
         first[a] = std::min(first[a], seen[p][a].from);
-        end[a] = std::max(end[a], seen[p][a].from + static_cast<int>(seen[p][a].weight.size()));
+        end[a] = std::max<int>(end[a], seen[p][a].from + seen[p][a].weight.size());
       }
     }
     const Index3 size{end[0] - first[0], end[1] - first[1], end[2] - first[2]};
     if (size[0] <= 0) return;
-    for (std::vector<float>& of_field : box_)
-      of_field.assign(size[0] * static_cast<std::size_t>(size[1]) * size[2], 0.0F);
+    for (std::vector<float>& of_field : box_) of_field.assign(size_of(size), 0.0F);
     for (std::size_t p = 0; p < seen.size(); ++p)
       if (is_seen(seen[p])) add_point(seen[p], ray.by_field[p], first, size);
     look_through_box(first, size, number);
@@ -179,19 +178,16 @@ class RayPainter {
       }
   }
 
-  void look_through_box(const Index3& first, const Index3& size, std::size_t number) {
+  void look_through_box(const Index3& first, const Index3& size, std::uint32_t number) {
     const float *endo = box_[0].data(), *wall = box_[1].data(), *uptake = box_[2].data();
     std::size_t at = 0;
     for (int k = 0; k < size[2]; ++k)
       for (int j = 0; j < size[1]; ++j) {
-        const int* row =
-            row_of_.data() + first[0] +
-            pixels_.count[0] * (first[1] + j + static_cast<std::ptrdiff_t>(pixels_.count[1]) * (first[2] + k));
+        const int* row = row_of_.data() + index_in(pixels_.count, {first[0], first[1] + j, first[2] + k});
         for (int i = 0; i < size[0]; ++i, ++at) {
           if (row[i] < 0 || (endo[at] == 0 && wall[at] == 0 && uptake[at] == 0)) continue;
-          views_.push_back({static_cast<std::uint32_t>(row[i]),
-                            static_cast<std::uint32_t>(number),
-                            {endo[at], wall[at], uptake[at]}});
+          const std::uint32_t pixel = row[i];
+          views_.push_back({pixel, number, {endo[at], wall[at], uptake[at]}});
           ++seen_by_[row[i]];
         }
       }
@@ -242,9 +238,10 @@ std::vector<WholeImage> whole_images(const BeatProblem& problem, const Eigen::Ve
   const auto by_widths = project_by_widths(camera, activity.cells);
   for (int number = 0; number < 3; ++number) {
     images.push_back({layout.width + number, std::vector<float>(problem.pixels.size(), 0.0F)});
-    for (int axis = 0; axis < 3; ++axis)
-      for (std::size_t n = 0; n < problem.pixels.size(); ++n)
-        images.back().image[n] += static_cast<float>(log_widths(axis, number)) * by_widths[axis][n];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float factor = log_widths(axis, number);
+      for (std::size_t n = 0; n < problem.pixels.size(); ++n) images.back().image[n] += factor * by_widths[axis][n];
+    }
   }
   return images;
 }
@@ -257,16 +254,15 @@ EvenRays even_rays(const BeatProblem& problem) {
   // Points as dense as the blur is wide sum up smoothly.
   const double pitch = 1.15 * std::max(problem.sigma_mm, 0.8 * problem.pixels.spacing.minCoeff());
   const double area = 4 * M_PI * scale[0] * (0.4 * scale[0] + 0.6 * scale[2]) * 1.4;
-  const int count = std::clamp(static_cast<int>(area / (pitch * pitch)), 150, 1200);
+  const int count = std::clamp(area / (pitch * pitch), 150.0, 1200.0);
   const int degree = std::max({layout.endo_degree, layout.wall_degree, layout.uptake_degree});
-  EvenRays rays{{}, Eigen::MatrixXd(harmonics_up_to(degree), count), {}};
-  rays.lines = {static_cast<std::size_t>(count), static_cast<std::size_t>(harmonics_up_to(degree))};
+  const std::size_t length = harmonics_up_to(degree), lines = count;
+  EvenRays rays{{}, Eigen::MatrixXd(length, count), {}};
+  rays.lines = {lines, length};
   for (int n = 0; n < count; ++n) {
     rays.direction.push_back(fibonacci_direction(n, count));
-    real_spherical_harmonics(rays.direction.back(), degree,
-                             {rays.harmonics.col(n).data(), static_cast<std::size_t>(rays.harmonics.rows())});
-    std::transform(rays.harmonics.col(n).begin(), rays.harmonics.col(n).end(), rays.lines.line(n),
-                   [](double h) { return static_cast<float>(h); });
+    real_spherical_harmonics(rays.direction.back(), degree, {rays.harmonics.col(n).data(), length});
+    std::copy(rays.harmonics.col(n).begin(), rays.harmonics.col(n).end(), rays.lines.line(n));
   }
   return rays;
 }

@@ -52,7 +52,8 @@ PsfProjector camera_of(const BeatProblem& problem, const std::vector<Eigen::Vect
 
 /// Residual times weight over noise.
 float weighted(const BeatProblem& problem, const std::vector<float>& residual, std::size_t n) {
-  return residual[n] * problem.weight[n] / static_cast<float>(problem.noise);
+  const float noise = problem.noise;
+  return residual[n] * problem.weight[n] / noise;
 }
 
 /// Relative deviations of the muscle's volume from its mean, over what is allowed, and their derivatives by the

@@ -43,7 +43,7 @@ double standing_misfit(const BeatProblem& problem, const Objective& objective, d
 PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const std::vector<std::vector<float>> noise = fast_part(objective.residual);
   const Index3 dims = problem.pixels.count;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(dims[0]), dims[0] * static_cast<std::size_t>(dims[1])};
+  const std::size_t stride[3] = {1, size_of({dims[0], 1, 1}), size_of({dims[0], dims[1], 1})};
   std::vector<std::vector<float>> scaled = noise;
   std::vector<double> squares;
   for (auto& values : scaled)

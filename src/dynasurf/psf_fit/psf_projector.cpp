@@ -116,8 +116,6 @@ AxisKernel axis_kernel(const CellLattice& cells, const Pixels& pixels, int axis,
   return kernel;
 }
 
-std::size_t product(int a, int b) { return a * static_cast<std::size_t>(b); }
-
 /// A kernel along one axis, or its transpose: what every number of `to` collects of those of `from`.
 struct Collector {
   const float* weights = nullptr;
@@ -171,16 +169,16 @@ void spread(const Collector& kernel, int length, int out_length, std::size_t blo
 /// The three passes from cells to pixels: along z first, where whole planes lie together, then y, then x. Each adds.
 struct Passes {
   Index3 c, p;
-  std::vector<float> along_z() const { return std::vector<float>(product(c[0], c[1]) * p[2]); }
-  std::vector<float> along_y() const { return std::vector<float>(product(c[0], p[1]) * p[2]); }
+  std::vector<float> along_z() const { return std::vector<float>(size_of({c[0], c[1], p[2]})); }
+  std::vector<float> along_y() const { return std::vector<float>(size_of({c[0], p[1], p[2]})); }
   void z(const Collector& kernel, const float* in, std::vector<float>& out) const {
-    collect(kernel, c[2], product(c[0], c[1]), 1, in, out.data());
+    collect(kernel, c[2], size_of({c[0], c[1], 1}), 1, in, out.data());
   }
   void y(const Collector& kernel, const std::vector<float>& in, std::vector<float>& out) const {
     collect(kernel, c[1], c[0], p[2], in.data(), out.data());
   }
   void x(const Collector& kernel, const std::vector<float>& in, std::vector<float>& out) const {
-    spread(kernel, c[0], p[0], product(p[1], p[2]), in.data(), out.data());
+    spread(kernel, c[0], p[0], size_of({1, p[1], p[2]}), in.data(), out.data());
   }
 };
 
@@ -244,9 +242,9 @@ std::vector<float> backproject(const PsfProjector& camera, std::span<const float
   const Index3 c = camera.cells.count, p = camera.pixels.count;
   const Passes pass{c, p};
   std::vector<float> y = pass.along_y(), z = pass.along_z(), x(camera.cells.size());
-  spread(transposed(camera.axes[0], c[0]), p[0], c[0], product(p[1], p[2]), pixels.data(), y.data());
+  spread(transposed(camera.axes[0], c[0]), p[0], c[0], size_of({1, p[1], p[2]}), pixels.data(), y.data());
   collect(transposed(camera.axes[1], c[1]), p[1], c[0], p[2], y.data(), z.data());
-  collect(transposed(camera.axes[2], c[2]), p[2], product(c[0], c[1]), 1, z.data(), x.data());
+  collect(transposed(camera.axes[2], c[2]), p[2], size_of({c[0], c[1], 1}), 1, z.data(), x.data());
   return x;
 }
 

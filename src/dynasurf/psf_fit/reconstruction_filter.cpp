@@ -20,7 +20,6 @@ using Tables = std::array<FourierTable, 3>;
 Tables tables_for(const Index3& size) {
   return {make_fourier_table(size[0]), make_fourier_table(size[1]), make_fourier_table(size[2])};
 }
-std::size_t product(const Index3& n) { return n[0] * static_cast<std::size_t>(n[1]) * n[2]; }
 
 /// value(|f|², index) for all frequencies of a box, first axis fastest; f in cycles per mm.
 template <class F>
@@ -55,17 +54,17 @@ std::vector<Complex> differences(const Study& study, std::size_t gate, const Vox
       fade[a].push_back(0.5 - 0.5 * own::cos(2 * M_PI * (n + 1) / (box.count[a] + 1)));
   const std::size_t gates = study.gates.size();
   const auto difference = [&](std::size_t g, int i, int j, int k) {
-    const auto of = [&](std::size_t later) { return static_cast<double>(study.gates[(g + later) % gates](i, j, k)); };
+    const auto of = [&](std::size_t later) -> double { return study.gates[(g + later) % gates](i, j, k); };
     const double value = of(0) - 3 * of(1) + 3 * of(2) - of(3);
     return std::isfinite(value) ? value : 0.0;
   };
-  std::vector<Complex> noise(product(size));
+  std::vector<Complex> noise(size_of(size));
   for (int k = 0; k < box.count[2]; ++k)
     for (int j = 0; j < box.count[1]; ++j)
       for (int i = 0; i < box.count[0]; ++i) {
         const double share = fade[0][i] * fade[1][j] * fade[2][k];
         const int x = box.first[0] + i, y = box.first[1] + j, z = box.first[2] + k;
-        const std::size_t at = i + size[0] * (j + size[1] * static_cast<std::size_t>(k));
+        const std::size_t at = index_in(size, {i, j, k});
         noise[at] = {share * difference(gate, x, y, z), gate + 1 < gates ? share * difference(gate + 1, x, y, z) : 0.0};
       }
   return noise;
@@ -92,10 +91,11 @@ Spectrum spectrum_of_noise(const Study& study) {
     power[pair].fill(0);
     // Summed over both signs of f the real and the imaginary part's powers add.
     for_all_frequencies(size, grid.spacing, [&](double square, std::size_t at) {
-      const double shell = (std::sqrt(square) - lowest) / width;
-      if (shell < 0 || shell >= shells) return;
-      power[pair][static_cast<std::size_t>(shell)] += noise[at].re * noise[at].re + noise[at].im * noise[at].im;
-      if (pair == 0) number[static_cast<std::size_t>(shell)] += 1;
+      const double place = (std::sqrt(square) - lowest) / width;
+      if (place < 0 || place >= shells) return;
+      const std::size_t shell = place;
+      power[pair][shell] += noise[at].re * noise[at].re + noise[at].im * noise[at].im;
+      if (pair == 0) number[shell] += 1;
     });
   });
   Spectrum spectrum;
@@ -176,7 +176,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
     size[a] = power_of_two(box.count[a] + ceil_int(1 / (filter.cutoff_per_mm * grid.spacing[a])));
   }
   const Tables tables = tables_for(size);
-  std::vector<double> factor(product(size));
+  std::vector<double> factor(size_of(size));
   for_all_frequencies(size, grid.spacing, [&](double square, std::size_t at) {
     factor[at] = exchanged(filter, sigma_mm, square) / factor.size();
   });
@@ -192,7 +192,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
   const std::size_t gates = study.gates.size();
   parallel_for((gates + 1) / 2, 1, [&](std::size_t pair, std::size_t) {
     const std::size_t first = 2 * pair, second = std::min(first + 1, gates - 1);
-    std::vector<Complex> values(product(size));
+    std::vector<Complex> values(size_of(size));
     std::size_t at = 0;
     for (const int k : source[2])
       for (const int j : source[1])
@@ -203,7 +203,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
     for (int k = 0; k < box.count[2]; ++k)
       for (int j = 0; j < box.count[1]; ++j)
         for (int i = 0; i < box.count[0]; ++i) {
-          const Complex& v = values[i + size[0] * (j + size[1] * static_cast<std::size_t>(k))];
+          const Complex& v = values[index_in(size, {i, j, k})];
           const int x = box.first[0] + i, y = box.first[1] + j, z = box.first[2] + k;
           refiltered.gates[first](x, y, z) = v.re;
           refiltered.gates[second](x, y, z) = first == second ? v.re : v.im;

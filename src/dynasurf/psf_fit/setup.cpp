@@ -48,7 +48,7 @@ CellLattice lattice_around(const Bounds& box, const Pixels& pixels, double sigma
     const double from = std::floor((box.low[a] - margin_mm - edge) / lattice.step[a]);
     const double to = std::ceil((box.high[a] + margin_mm - edge) / lattice.step[a]);
     lattice.start[a] = edge + (from + 0.5) * lattice.step[a];
-    lattice.count[a] = std::max(1, static_cast<int>(to - from));
+    lattice.count[a] = std::max<int>(1, to - from);
   }
   lattice.edge_mm = 0.5 * lattice.step.maxCoeff();
   if (sigma_mm > 0) lattice.edge_mm = std::min(lattice.edge_mm, 0.5 * sigma_mm);
@@ -117,7 +117,7 @@ void weigh_pixels(Setup& s, const std::vector<double>& mean, const Blur& blur, d
     const bool looked_at = place.outside_mm < margin && place.above_mm < margin;
     // Counts are as uncertain as they are many; the noise of sharp images, MR and CT, is the same everywhere.
     const double variance = blur.fwhm_mm > 0 ? std::max(mean[n] / s.unit, 0.1) : 1;
-    p.weight[n] = looked_at ? static_cast<float>(1 / variance) : 0.0F;
+    p.weight[n] = looked_at ? 1 / variance : 0;
   }
 }
 
@@ -160,11 +160,11 @@ Setup set_up(const Study& study, const PlacedStart& start, const Blur& blur, con
   p.cells = select_cells(lattice, start.frame, degree, s.highest_mm + 10, outer, outer_degree, room);
 
   s.place = places_of(p.pixels, start.frame, outer, outer_degree, s.highest_mm);
+  const double gates = study.gates.size();
   std::vector<double> mean(p.pixels.size(), 0.0);
   for (const Image& gate : study.gates) {
     p.values.push_back(join(gate, p.pixels));
-    for (std::size_t n = 0; n < mean.size(); ++n)
-      mean[n] += p.values.back()[n] / static_cast<double>(study.gates.size());
+    for (std::size_t n = 0; n < mean.size(); ++n) mean[n] += p.values.back()[n] / gates;
   }
   measure_brightness(s, mean, margin);
   for (auto& values : p.values)

@@ -15,7 +15,7 @@ namespace {
 Vec3 middle_of(const TriMesh& mesh) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : mesh.vertices) sum += p;
-  return sum / static_cast<double>(std::max<std::size_t>(1, mesh.vertices.size()));
+  return sum / std::max<double>(1, mesh.vertices.size());
 }
 
 double lowest(const TriMesh& mesh, const Vec3& axis) {
@@ -81,12 +81,13 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
 
   // The centre lies in the cavity of every gate: halfway between the highest apex and the lowest base.
   double apex = -std::numeric_limits<double>::infinity(), base = -apex;
+  const double gates = start.endo.size();
   Vec3 middle = Vec3::Zero();
   for (std::size_t g = 0; g < start.endo.size(); ++g) {
     placed.endo.push_back(to_grid(grid, start.endo[g]));
     placed.epi.push_back(to_grid(grid, start.epi[g]));
     const TriMesh &endo = placed.endo.back(), &epi = placed.epi.back();
-    middle += middle_of(endo) / static_cast<double>(start.endo.size());
+    middle += middle_of(endo) / gates;
     const bool has_plane = start.base[g].has_value();
     heart::BasePlane plane = has_plane ? to_grid(grid, *start.base[g]) : heart::BasePlane{};
     if (!has_plane) {
@@ -111,8 +112,7 @@ PlacedStart place_start(const FitStart& given, const Grid& grid) {
 
 Eigen::VectorXd smooth_harmonics(const Eigen::MatrixXd& rows, const Eigen::VectorXd& values, int degree) {
   constexpr double noise = 0.05;
-  Eigen::MatrixXd matrix =
-      product(rows.transpose(), rows) / static_cast<double>(std::max<Eigen::Index>(1, rows.rows())) * 300;
+  Eigen::MatrixXd matrix = product(rows.transpose(), rows) / std::max<double>(1, rows.rows()) * 300;
   for (int k = 0; k < harmonics_up_to(degree); ++k) {
     const int l = degree_of_harmonic(k);
     const double sd = l == 0 ? 2.0 : 0.5 * own::pow(l, -2.0);
@@ -127,7 +127,7 @@ Eigen::VectorXd harmonics_of_surface(const TriMesh& surface, const HeartFrame& f
                                      int degree) {
   constexpr double lid_mm = 2.5;
   const int count = harmonics_up_to(degree);
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(surface.vertices.size()), count);
+  Eigen::MatrixXd rows(surface.vertices.size(), count);
   Eigen::VectorXd values(rows.rows());
   Eigen::Index used = 0;
   std::vector<double> harmonics(count);

@@ -119,8 +119,7 @@ void follow_slopes(const GateLayout& layout, const HeartFrame& frame, const Eige
   Eigen::RowVectorXd harmonics(prior.harmonics.cols());
   const int degree = std::max(layout.endo_degree, layout.wall_degree);
   const auto log_middle = [&](const Vec3& direction) {
-    real_spherical_harmonics(direction.normalized(), degree,
-                             {harmonics.data(), static_cast<std::size_t>(harmonics_up_to(degree))});
+    real_spherical_harmonics(direction.normalized(), degree, std::span(harmonics.data(), harmonics_up_to(degree)));
     const Ray ray = ray_along(layout, gate, harmonics);
     return own::log((ray.endo + ray.epi) / 2);
   };

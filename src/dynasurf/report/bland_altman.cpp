@@ -133,7 +133,7 @@ std::string mark(double x, double y, std::size_t group) {
 std::string legend(std::span<const ReadingGroup> groups) {
   std::string svg;
   for (std::size_t n = 0; n < groups.size(); ++n) {
-    const double y = bottom - 14 * static_cast<double>(groups.size() - n);
+    const double y = bottom - 14.0 * (groups.size() - n);
     svg += mark(right + 14, y - 4, n) + text(right + 22, y, io::detail::xml_text(groups[n].name), "start");
   }
   return svg;

@@ -55,7 +55,7 @@ std::string errors_of(const std::vector<float>& errors, double full) {
   Bytes bytes;
   for (const float error : errors) {
     const double share = full > 0 ? error / full : 0;
-    append(bytes, static_cast<std::uint16_t>(error < 0 ? 65535 : std::clamp(std::round(share * 65534), 0.0, 65534.0)));
+    append<std::uint16_t>(bytes, error < 0 ? 65535 : std::clamp(std::round(share * 65534), 0.0, 65534.0));
   }
   return packed(bytes);
 }
@@ -66,14 +66,14 @@ Json confidence_json(const std::vector<float>& confidence) {
   Bytes bytes;
   // What is made up stays below 1.
   for (const float c : confidence)
-    append(bytes, static_cast<std::uint16_t>(c >= 1 ? 65535 : std::clamp(std::round(c * 65535), 0.0F, 65534.0F)));
+    append<std::uint16_t>(bytes, c >= 1 ? 65535 : std::clamp(std::round(c * 65535), 0.0F, 65534.0F));
   return packed(bytes);
 }
 
 Json levels_json(const cloud::Result& result, const Box& box, double& full_error) {
   full_error = 0;
   for (const cloud::Level& level : result.levels)
-    for (const float error : level.errors) full_error = std::max(full_error, static_cast<double>(error));
+    for (const float error : level.errors) full_error = std::max<double>(full_error, error);
   Json json = Json::array();
   for (const cloud::Level& level : result.levels)
     json.push_back({{"positions", packed(steps_of(level.mesh.vertices, box))},

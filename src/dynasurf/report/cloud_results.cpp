@@ -144,7 +144,7 @@ Json timings_json(const CloudRun& run, Timings timings) {
 Json memory_json(const CloudRun& run, Timings timings) {
   const std::size_t points = run.result.facts.points;
   if (timings == Timings::omit || run.peak_bytes == 0 || points == 0) return nullptr;
-  return {{"peak_bytes", run.peak_bytes}, {"bytes_per_point", number(run.peak_bytes / static_cast<double>(points))}};
+  return {{"peak_bytes", run.peak_bytes}, {"bytes_per_point", number(1.0 * run.peak_bytes / points)}};
 }
 
 }  // namespace

@@ -161,12 +161,12 @@ std::string curves_svg(const ComparedStudy& rest, const ComparedStudy& stress) {
        {std::pair(&rest, "stroke=\"#0072b2\""), std::pair(&stress, "stroke=\"#d55e00\" stroke-dasharray=\"7 4\"")})
     if (const auto curve = curve_of(study->results)) curves.emplace_back(*curve, look);
   for (const auto& [curve, look] : curves)
-    for (int n = 0; n <= steps; ++n) top = std::max(top, curve.at(static_cast<double>(n) / steps));
+    for (int n = 0; n <= steps; ++n) top = std::max(top, curve.at(1.0 * n / steps));
   top = 20 * std::ceil(top / 20);  // so that the four lines stand at multiples of 5 mL
   for (const auto& [curve, look] : curves) {
     lines += std::string("<polyline fill=\"none\" stroke-width=\"2\" ") + look + " points=\"";
     for (int n = 0; n <= steps; ++n) {
-      const double phase = static_cast<double>(n) / steps;
+      const double phase = 1.0 * n / steps;
       lines += text_of(40 + (width - 60) * phase, 1) + "," +
                text_of(height - 24 - (height - 34) * curve.at(phase) / top, 1) + " ";
     }

@@ -177,9 +177,10 @@ void add_gate(const ventricle::Result& result, const io::DicomResult& context, s
   const ventricle::LeadingSurfaces& walls = result.gates[g].surfaces;
   const std::vector<io::DicomSegment> segments = segments_of_gate(result.study.grid(), walls);
   if (segments.empty()) return;
-  const std::string gate = "gate " + std::to_string(g + 1);
-  const io::DicomObject object{"segmentations",         "segmentation " + gate,   802,
-                               static_cast<int>(g) + 1, "Dynasurf segmentations", "Cavity and wall, " + gate};
+  const int gate_number = g + 1;
+  const std::string gate = "gate " + std::to_string(gate_number);
+  const io::DicomObject object{"segmentations", "segmentation " + gate,   802,
+                               gate_number,     "Dynasurf segmentations", "Cavity and wall, " + gate};
   const io::DicomInstance written =
       io::write_segmentation(context, object, segments, folder / ("segmentation_g" + two_digits(g) + ".dcm"));
   const auto region = [&](const char* name, const io::DicomCode& site, int number, double ml) {

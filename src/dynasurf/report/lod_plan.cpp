@@ -81,7 +81,7 @@ nlohmann::ordered_json json_of(const std::vector<NamedLevel>& levels, const LodP
 void write_transitions(LodPlan& plan, int steps, io::MeshFormat format, const std::filesystem::path& folder) {
   for (std::size_t n = 0; n < plan.transitions.size(); ++n)
     for (int step = 0; step <= steps + 1; ++step) {
-      const double t = static_cast<double>(step) / (steps + 1);
+      const double t = 1.0 * step / (steps + 1);
       const std::string name = "level" + std::to_string(n + 2) + "_to_level" + std::to_string(n + 1) + "_" +
                                std::to_string(step) + "." + std::string(word_of(format));
       const cloud::FreeShape shape = cloud::free_at_transition(plan.transitions[n], t);

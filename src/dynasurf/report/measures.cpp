@@ -198,7 +198,7 @@ std::string curve_csv(const ventricle::VolumeCurveFit& function) {
   constexpr int instants = 64;
   std::string csv = "phase,volume_ml,rate_edv_per_beat\n";
   for (int n = 0; n < instants; ++n) {
-    const double phase = static_cast<double>(n) / instants;
+    const double phase = 1.0 * n / instants;
     csv += text_of(phase, 6) + "," + text_of(function.curve.at(phase), 4) + "," +
            text_of(function.curve.slope(phase) / function.edv_ml, 5) + "\n";
   }

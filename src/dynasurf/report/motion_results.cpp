@@ -91,7 +91,7 @@ std::string chart(const std::string& title, const std::vector<Curve>& curves, do
     for (std::size_t g = 0; g < gates; ++g) {
       // A gate without a value parts the line.
       if (c.values[g]) path += (is_on ? "L" : "M") + x_of(g) + " " + y_of(*c.values[g]);
-      is_on = static_cast<bool>(c.values[g]);
+      is_on = c.values[g].has_value();
     }
     const std::string y = text_of(top + height + 38, 0);
     svg += "<path d=\"" + path + "\" " + c.look + "/><path d=\"M" + text_of(key, 0) + " " + y + "h18\" " + c.look +

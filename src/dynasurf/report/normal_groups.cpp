@@ -53,8 +53,9 @@ NormalGroups build_normal_groups(std::vector<GroupedMap> studies, const std::vec
     while (to < studies.size() && studies[to].values == values) ++to;
     // Where a column is not known the study stands in no group, but among all.
     if (std::find(values.begin(), values.end(), "") != values.end()) continue;
-    NormalGroups::Group group{values, static_cast<int>(to - from), std::nullopt};
-    if (group.studies >= least) group.map = map_of(from, to - from);
+    const int count = to - from;
+    NormalGroups::Group group{values, count, std::nullopt};
+    if (count >= least) group.map = map_of(from, count);
     normals.groups.push_back(std::move(group));
   }
   return normals;

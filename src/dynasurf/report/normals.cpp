@@ -21,10 +21,10 @@ using detail::Json;
 using detail::number;
 
 /// More than any table of ours has; a line of commas alone must not cost a thousand times its size.
-constexpr std::size_t most_columns = 64;
+constexpr int most_columns = 64;
 
 std::vector<std::string> fields_of(const std::string& line, const std::string& where) {
-  if (static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) >= most_columns)
+  if (std::count(line.begin(), line.end(), ',') >= most_columns)
     throw InputError(where + ": expected at most " + std::to_string(most_columns) + " columns");
   std::vector<std::string> fields(1);
   for (const char c : line)
@@ -182,7 +182,7 @@ void read_scores(const std::filesystem::path& path, ventricle::SegmentScores& sc
       throw InputError(path.string() + ": " + io::detail::quoted(segment) + "; expected the number of a segment");
     const auto value = io::whole_of({&score, path.string(), segment}, 0, 4);
     try {
-      ventricle::set_score(scores, static_cast<int>(*number), static_cast<int>(value));
+      ventricle::set_score(scores, *number, value);
     } catch (const InputError& error) {
       throw InputError(path.string() + ": " + error.what());
     }

@@ -24,7 +24,6 @@ Json fit_json(const ventricle::Result& result, std::size_t most_voxels) {
   if (!result.readings.psf_corrected || result.readings.psf_corrected->images.data.empty()) return nullptr;
   const psf_fit::FitImages& images = result.readings.psf_corrected->images;
   if (images.data.size() * images.weight.values.size() > most_voxels) return nullptr;
-  const auto byte = [](double part) { return static_cast<std::uint8_t>(std::clamp(std::round(part), 0.0, 255.0)); };
   float low = 0, high = 0;
   double squares = 0, count = 0;
   for (std::size_t g = 0; g < images.data.size(); ++g)
@@ -33,7 +32,7 @@ Json fit_json(const ventricle::Result& result, std::size_t most_voxels) {
       low = std::min(low, model);
       high = std::max(high, model);
       if (images.weight.values[n] <= 0) continue;
-      const auto left = static_cast<double>(images.data[g].values[n] - model);
+      const double left = images.data[g].values[n] - model;
       squares += left * left;
       count += 1;
     }
@@ -42,11 +41,11 @@ Json fit_json(const ventricle::Result& result, std::size_t most_voxels) {
   Bytes models, differences, weights;
   for (std::size_t g = 0; g < images.data.size(); ++g)
     for (std::size_t n = 0; n < images.weight.values.size(); ++n) {
-      const auto model = static_cast<double>(images.model[g].values[n]);
-      models.push_back(byte(255 * (model - low) / std::max(1e-6, static_cast<double>(high - low))));
-      differences.push_back(byte(128 + 127 * (images.data[g].values[n] - model) / most));
+      const double model = images.model[g].values[n];
+      models.push_back(byte_of(255 * (model - low) / std::max<double>(1e-6, high - low)));
+      differences.push_back(byte_of(128 + 127 * (images.data[g].values[n] - model) / most));
     }
-  for (const float w : images.weight.values) weights.push_back(byte(255 * static_cast<double>(w)));
+  for (const float w : images.weight.values) weights.push_back(byte_of(255 * double{w}));
   Json json = Json::object();
   json["grid"] = grid_json(images.weight.grid);
   json["low"] = low;
@@ -107,11 +106,10 @@ std::string samples_of_vertices(const ventricle::PolarGrid& grid, const ventricl
   Bytes bytes;
   for (const Vec3& p : vertices) {
     const ventricle::PolarPoint at = axes.polar(p);
-    const int ring = std::min(grid.rings - 1, static_cast<int>(at.rho * grid.rings));
-    const int sector = std::min(grid.sectors - 1, static_cast<int>(at.angle_deg * grid.sectors / 360));
+    const int ring = std::min<int>(grid.rings - 1, at.rho * grid.rings);
+    const int sector = std::min<int>(grid.sectors - 1, at.angle_deg * grid.sectors / 360);
     const std::size_t sample = axes.above_base(p) > -0.1 ? 65535 : grid.index(ring, sector);
-    bytes.push_back(static_cast<unsigned char>(sample % 256)),
-        bytes.push_back(static_cast<unsigned char>(sample / 256));
+    append<std::uint16_t>(bytes, sample);
   }
   return base64(bytes);
 }

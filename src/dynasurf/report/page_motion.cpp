@@ -11,7 +11,7 @@ constexpr ventricle::Border walls[] = {ventricle::Border::endo, ventricle::Borde
 /// A part of a grid: its first voxel and how many.
 struct Window {
   Index3 first{0, 0, 0}, count{0, 0, 0};
-  std::size_t size() const { return count[0] * static_cast<std::size_t>(count[1]) * count[2]; }
+  std::size_t size() const { return size_of(count); }
 };
 
 /// The voxels above 0 with a margin in every direction.
@@ -53,7 +53,7 @@ void put_field(Json& json, const field::VectorField& field, const Window& w) {
     const double length = v.norm();
     for (int axis = 0; axis < 3; ++axis)
       directions.push_back(std::lround(127 + (length > 0 ? 127 * v[axis] / length : 0)));
-    append(lengths, static_cast<std::uint16_t>(std::lround(longest > 0 ? 65535 * length / longest : 0)));
+    append<std::uint16_t>(lengths, std::lround(longest > 0 ? 65535 * length / longest : 0));
   });
   json["longest"] = longest;
   json["directions"] = packed(directions);
@@ -85,10 +85,8 @@ Json way_json(const ventricle::Motion& motion, const Box& box, const Grid& study
     places.insert(places.end(), bytes.begin(), bytes.end());
     for (std::size_t v = 0; v < step.pulls.size(); ++v)
       for (const double pull : step.pulls[v])
-        pulls.push_back(step.stopped[v] != 0 ? std::uint8_t{0}
-                                             : static_cast<std::uint8_t>(128 + std::round(pull * scale)));
-    for (const double voxels : motion.distances[n])
-      distances.push_back(static_cast<std::uint8_t>(std::clamp(128 + std::round(32 * voxels), 0.0, 255.0)));
+        pulls.push_back(step.stopped[v] != 0 ? 0 : 128 + std::round(pull * scale));
+    for (const double voxels : motion.distances[n]) distances.push_back(byte_of(128 + std::round(32 * voxels)));
   }
   return {{"triangles", triangles_of({{}, motion.triangles})},
           {"steps", std::move(numbers)},
@@ -102,7 +100,7 @@ Json way_json(const ventricle::Motion& motion, const Box& box, const Grid& study
 /// The gate that the page tells of, and its number.
 std::pair<const ventricle::EdgeSurfaces*, int> shown_gate(const ventricle::Result& result) {
   const int gate = result.leading.ed_gate.value_or(0);
-  if (static_cast<std::size_t>(gate) >= result.gates.size()) return {nullptr, gate};
+  if (gate >= std::ssize(result.gates)) return {nullptr, gate};
   return {&result.gates[gate].edge_surfaces, gate};
 }
 
@@ -152,7 +150,7 @@ Json surroundings_json(const Image& border_volume, const field::VectorField& fie
   for_each(w, grid, [&](std::size_t n) { most = std::max(most, drag_map->values[n]); });
   Bytes drag;
   for_each(w, grid, [&](std::size_t n) {
-    const double part = most > 0 ? drag_map->values[n] / static_cast<double>(most) : 0;
+    const double part = most > 0 ? drag_map->values[n] / double{most} : 0;
     drag.push_back(std::lround(255 * std::clamp(part, 0.0, 1.0)));
   });
   json["drag"] = {{"most_kg_s", most}, {"values", packed(drag)}};

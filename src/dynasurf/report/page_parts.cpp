@@ -43,9 +43,9 @@ std::string base64(const Bytes& bytes) {
 }
 
 std::string packed(const Bytes& bytes) {
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  uLongf size = compressBound(bytes.size());
   Bytes out(size);
-  if (compress2(out.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), packing_level) != Z_OK)
+  if (compress2(out.data(), &size, bytes.data(), bytes.size(), packing_level) != Z_OK)
     throw IoError("report: not enough memory to pack " + std::to_string(bytes.size()) + " bytes");
   out.resize(size);
   return base64(out);
@@ -58,7 +58,7 @@ Bytes steps_of(const std::vector<Vec3>& points, const Box& box) {
     for (int axis = 0; axis < 3; ++axis) {
       const double side = box.high[axis] - box.low[axis];
       const double share = side > 0 ? (p[axis] - box.low[axis]) / side : 0;
-      append(bytes, static_cast<std::uint16_t>(std::clamp(std::round(share * position_steps), 0.0, position_steps)));
+      append<std::uint16_t>(bytes, std::clamp(std::round(share * position_steps), 0.0, position_steps));
     }
   return bytes;
 }

@@ -35,10 +35,10 @@ Bytes image_bytes(const Study& study, int bin) {
       for (int j = j0; j < j1; ++j)
         for (int i = i0; i < i1; ++i) {
           const float value = gate(i, j, k);
-          sum += std::isfinite(value) ? static_cast<double>(value) : 0;
+          sum += std::isfinite(value) ? value : 0;
         }
       const double mean = sum / ((i1 - i0) * (j1 - j0)) * scale;
-      bytes.push_back(static_cast<std::uint8_t>(std::clamp(std::round(mean), 0.0, 255.0)));
+      bytes.push_back(byte_of(mean));
     });
   return bytes;
 }

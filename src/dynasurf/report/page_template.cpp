@@ -51,7 +51,7 @@ extern const char cohort_page_end[] asm("dynasurf_cohort_page_end");
 namespace dynasurf::report {
 namespace {
 
-std::string_view between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
+std::string_view between(const char* begin, const char* end) { return {begin, end}; }
 
 }  // namespace
 

@@ -32,7 +32,7 @@ constexpr Rgb difference_colours[] = {{0, 47, 108},    {33, 102, 172}, {113, 168
 template <std::size_t N>
 Rgb between(const Rgb (&colours)[N], double share) {
   const double place = std::clamp(share, 0.0, 1.0) * (N - 1);
-  const auto low = std::min(static_cast<std::size_t>(place), N - 2);
+  const auto low = std::min<std::size_t>(place, N - 2);
   const double part = place - low;
   const Rgb &a = colours[low], &b = colours[low + 1];
   return {a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
@@ -106,8 +106,7 @@ std::string cells(const ventricle::PolarGrid& grid, const ventricle::PolarValues
       if (!value) continue;
       const std::string colour = hex(colour_of(scale.share(*value), kind));
       // Cells overlap a little, or the page would shine through.
-      svg += "<path d=\"" +
-             piece(static_cast<double>(ring) / grid.rings, (ring + 1.0) / grid.rings, sector * width, width + 0.4) +
+      svg += "<path d=\"" + piece(1.0 * ring / grid.rings, (ring + 1.0) / grid.rings, sector * width, width + 0.4) +
              "\" fill=\"" + colour + "\"/>\n";
     }
   return svg;

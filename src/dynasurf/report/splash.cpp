@@ -33,8 +33,9 @@ void set_greys(Shown& shown, const Image& image) {
   if (values.empty()) return;
   std::sort(values.begin(), values.end());
   const double last = values.size() - 1;
-  shown.black = values[static_cast<std::size_t>(0.01 * last)];
-  shown.white = values[static_cast<std::size_t>(0.99 * last)];
+  const std::size_t black = 0.01 * last, white = 0.99 * last;
+  shown.black = values[black];
+  shown.white = values[white];
 }
 
 /// The slices that a surface (grid frame) meets and a window around it.
@@ -68,7 +69,7 @@ struct Cell {
         const float value = image.grid.contains(i, j, k) ? image(i, j, k) : shown.black;
         // The eye tells dark greys apart less well than bright ones; the square root lifts them.
         const double lifted = range > 0 ? std::sqrt(std::clamp((value - shown.black) / range, 0.0F, 1.0F)) : 0;
-        const auto v = static_cast<std::uint8_t>(235 * lifted);
+        const std::uint8_t v = 235 * lifted;
         picture(left + x, top + y) = {v, v, v};
       }
   }
@@ -82,7 +83,7 @@ struct Cell {
       for (std::size_t n = 1; n < polygon.size(); ++n) {
         const Vec2 from(polygon[n - 1][0] / spacing[0], polygon[n - 1][1] / spacing[1]),
             to(polygon[n][0] / spacing[0], polygon[n][1] / spacing[1]);
-        const int steps = 1 + static_cast<int>(own::hypot(to[0] - from[0], to[1] - from[1]) * scale * 1.5);
+        const int steps = 1 + own::hypot(to[0] - from[0], to[1] - from[1]) * scale * 1.5;
         for (int s = 0; s <= steps; ++s) dot(from + (to - from) * s / steps, colour);
       }
   }
@@ -95,16 +96,16 @@ io::Picture draw_splash(const std::vector<SplashRow>& rows) {
   const Shown shown = around(first, to_grid(first.grid, rows.front().epi ? *rows.front().epi : *rows.front().endo));
   const int scale = std::max(1, cell_pixels / std::max(shown.width, shown.height));
   const int width = shown.width * scale + gap, height = shown.height * scale + room_above + gap;
-  io::Picture picture(slices_across * width + gap, static_cast<int>(rows.size()) * height + gap, background);
+  io::Picture picture(slices_across * width + gap, rows.size() * height + gap, background);
   // At most 36 slices are told apart, evenly spaced.
   constexpr int most_slices = 36;
   const int stride = 1 + (shown.top - shown.bottom) / most_slices;
   const int last = std::max(0, (shown.top - shown.bottom) / stride);
-  for (std::size_t r = 0; r < rows.size(); ++r)
+  for (int r = 0; r < std::ssize(rows); ++r)
     for (int c = 0; c < slices_across; ++c) {
       const SplashRow& row = rows[r];
       const int k = shown.bottom + stride * (c * last / (slices_across - 1));
-      Cell cell{picture, shown, gap + c * width, gap + static_cast<int>(r) * height + room_above, scale};
+      Cell cell{picture, shown, gap + c * width, gap + r * height + room_above, scale};
       cell.paint(*row.image, k);
       for (const auto& [wall, colour] : {std::pair(row.epi, orange), std::pair(row.endo, blue)})
         if (wall) cell.cut(to_grid(first.grid, *wall), k, first.grid.spacing, colour);

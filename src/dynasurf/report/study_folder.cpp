@@ -39,7 +39,7 @@ std::vector<float> thickening_of(const ventricle::Measures& m, const ventricle::
   std::vector<float> percent;
   if (before.size() != now.mm.size()) return percent;
   for (std::size_t v = 0; v < before.size(); ++v)
-    percent.push_back(before[v] > 0 ? static_cast<float>(100 * (now.mm[v] / before[v] - 1)) : 0.0F);
+    percent.push_back(before[v] > 0 ? 100 * (now.mm[v] / before[v] - 1) : 0);
   return percent;
 }
 
@@ -136,7 +136,7 @@ void write_cycle(const ventricle::Result& result, const fs::path& folder) {
 void write_keyframes(const ventricle::Result& result, const StudyFolderOptions& options, const fs::path& folder) {
   const mesh::Keyframes& keyframes = options.keyframes;
   if (keyframes.frames_between == 0 || result.gates.size() < 2) return;
-  const std::size_t steps = static_cast<std::size_t>(keyframes.frames_between) + 1;
+  const std::size_t steps = keyframes.frames_between + 1;
   const std::size_t frames = steps * result.gates.size();
   const auto digits = std::to_string(frames).size();
   for (const ventricle::Border wall : {ventricle::Border::endo, ventricle::Border::epi}) {
@@ -145,7 +145,7 @@ void write_keyframes(const ventricle::Result& result, const StudyFolderOptions& 
       if (const auto& s = gate.surfaces.of(wall)) cycle.push_back(s->mesh);
     if (!is_cycle(cycle, result.gates.size())) continue;
     for (std::size_t f = 0; f < frames; ++f) {
-      const TriMesh mesh = mesh::at_phase(cycle, f / static_cast<double>(frames), keyframes.interpolation);
+      const TriMesh mesh = mesh::at_phase(cycle, 1.0 * f / frames, keyframes.interpolation);
       std::string number = std::to_string(f + 1);
       number.insert(0, digits - number.size(), '0');
       for (const io::MeshFormat format : options.mesh_formats)

@@ -47,7 +47,7 @@ Canvas draw_instances(std::span<const TriMesh> levels, const std::string& title)
       const std::size_t level = cloud::level_for_size(chain, side);
       ++drawn[level];
       Scene3d scene;
-      const double share = levels.size() > 1 ? level / static_cast<double>(levels.size() - 1) : 0;
+      const double share = levels.size() > 1 ? 1.0 * level / (levels.size() - 1) : 0;
       scene.add(levels[level], viridis(0.25 + 0.7 * share), 1, Scene3d::Look::both);
       scene.draw(canvas, {i.x - side, i.y - side, 2 * side, 2 * side}, i.outlook, step / i.points_per_step, false);
     }
@@ -55,7 +55,7 @@ Canvas draw_instances(std::span<const TriMesh> levels, const std::string& title)
   std::vector<LegendEntry> entries;
   std::size_t triangles = 0;
   for (std::size_t n = 0; n < levels.size(); ++n) {
-    const double share = levels.size() > 1 ? n / static_cast<double>(levels.size() - 1) : 0;
+    const double share = levels.size() > 1 ? 1.0 * n / (levels.size() - 1) : 0;
     entries.push_back({std::to_string(levels[n].triangles.size()) + " triangles, " + std::to_string(drawn[n]) + " of " +
                            std::to_string(across * down) + " bodies",
                        viridis(0.25 + 0.7 * share)});

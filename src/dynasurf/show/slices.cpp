@@ -149,7 +149,7 @@ Canvas draw_field_grid(std::span<const NamedField> fields, int across, int slice
                        const Image* border) {
   if (fields.empty() || across < 1) throw InputError("no field to draw");
   constexpr double side = 250, graph = 70, gap_x = 84, gap_y = 92, head = 56;
-  const int down = (static_cast<int>(fields.size()) + across - 1) / across;
+  const int down = (std::ssize(fields) + across - 1) / across;
   Canvas canvas(across * (side + gap_x) + 60, head + down * (side + graph + gap_y));
   canvas.text({24, 26}, title, {14, Anchor::start, ink_of::text, true});
   const Grid& g = fields[0].field.grid;

@@ -27,11 +27,7 @@ std::vector<std::size_t> non_zero(const Image& image) {
   return found;
 }
 
-Vec3 place_of(const Grid& g, std::size_t n) {
-  const std::size_t columns = g.dims[0], rows = g.dims[1];
-  return centre_of(
-      g, {static_cast<int>(n % columns), static_cast<int>(n / columns % rows), static_cast<int>(n / (columns * rows))});
-}
+Vec3 place_of(const Grid& g, std::size_t n) { return centre_of(g, voxel_in(g.dims, n)); }
 
 /// A line that follows the field in steps of half a voxel until it turns back: it has reached a border.
 std::vector<Vec3> follow(const field::VectorField& field, Vec3 at) {
@@ -278,7 +274,7 @@ Film film_of_beat(std::span<const std::vector<TriMesh>> walls, std::span<const i
     for (const TriMesh& mesh : wall)
       for (const Vec3& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
   for (int n = 0; n < frames; ++n) {
-    const double phase = static_cast<double>(n) / frames;
+    const double phase = 1.0 * n / frames;
     Scene3d scene;
     scene.make_room(low, high);
     std::vector<LegendEntry> entries;

@@ -31,28 +31,27 @@ Kernel kernel_of(const std::vector<double>& shifts) {
   const auto [least, most] = std::minmax_element(shifts.begin(), shifts.end());
   Kernel kernel;
   kernel.first = floor_int(*least);
-  kernel.weights.assign(static_cast<std::size_t>(std::floor(*most)) - kernel.first + 2, 0.0F);
+  kernel.weights.assign(floor_int(*most) - kernel.first + 2, 0.0F);
   for (const double shift : shifts) {
-    const double below = std::floor(shift);
-    const auto cell = static_cast<std::size_t>(static_cast<int>(below) - kernel.first);
-    kernel.weights[cell] += static_cast<float>((1 - (shift - below)) / shifts.size());
-    kernel.weights[cell + 1] += static_cast<float>((shift - below) / shifts.size());
+    const int below = floor_int(shift), cell = below - kernel.first;
+    const float nearer = (1 - (shift - below)) / shifts.size(), further = (shift - below) / shifts.size();
+    kernel.weights[cell] += nearer;
+    kernel.weights[cell + 1] += further;
   }
   return kernel;
 }
 
-std::vector<float> displaced(const std::vector<float>& square, int n, const Kernel& across, const Kernel& along) {
+std::vector<float> displaced(const std::vector<float>& square, Index n, const Kernel& across, const Kernel& along) {
   std::vector<float> result(square.size(), 0.0F);
-  for (int a = 0; a < n; ++a)
-    for (std::size_t s = 0; s < across.weights.size(); ++s) {
-      const int to = a + across.first + static_cast<int>(s);
+  for (Index a = 0; a < n; ++a)
+    for (Index s = 0; s < std::ssize(across.weights); ++s) {
+      const Index to = a + across.first + s;
       if (to < 0 || to >= n || across.weights[s] == 0) continue;
-      for (int z = 0; z < n; ++z)
-        for (std::size_t t = 0; t < along.weights.size(); ++t) {
-          const int up = z + along.first + static_cast<int>(t);
+      for (Index z = 0; z < n; ++z)
+        for (Index t = 0; t < std::ssize(along.weights); ++t) {
+          const Index up = z + along.first + t;
           if (up < 0 || up >= n) continue;
-          result[static_cast<std::size_t>(to) * n + up] +=
-              across.weights[s] * along.weights[t] * square[static_cast<std::size_t>(a) * n + z];
+          result[to * n + up] += across.weights[s] * along.weights[t] * square[a * n + z];
         }
     }
   return result;
@@ -85,18 +84,17 @@ Movement movement_at(const Acquisition& o, std::size_t view, double angle_deg, d
 }
 
 /// Fine bins (across slowest) summed into the camera's, as rows with columns fastest, added to `bins`.
-void rebin(const std::vector<float>& fine, int n, int factor, float* bins) {
-  const int size = n / factor;
-  for (int a = 0; a < n; ++a)
-    for (int z = 0; z < n; ++z)
-      bins[static_cast<std::size_t>(z / factor) * size + a / factor] += fine[static_cast<std::size_t>(a) * n + z];
+void rebin(const std::vector<float>& fine, Index n, int factor, float* bins) {
+  const Index size = n / factor;
+  for (Index a = 0; a < n; ++a)
+    for (Index z = 0; z < n; ++z) bins[z / factor * size + a / factor] += fine[a * n + z];
 }
 
 /// Expected counts of one view in all gates, in the unit of the activity.
 void see(const std::vector<Columns>& activity, const ViewModel& model, const Movement& movement, int factor,
          std::size_t view, Projections& p) {
   const int n = model.n;
-  const std::size_t square = static_cast<std::size_t>(n) * n;
+  const std::size_t square = size_of({n, n, 1});
   for (std::size_t g = 0; g < activity.size(); ++g) {
     std::vector<float> direct(square, 0.0F), scattered(model.buildup.empty() ? 0 : square, 0.0F);
     project_view(model, activity[g], direct, scattered);
@@ -109,7 +107,7 @@ void see(const std::vector<Columns>& activity, const ViewModel& model, const Mov
 /// Smooths what the side windows tell.
 void smooth(std::vector<float>& scatter, int size, double bin_mm) {
   const double sigma = sigma_of_fwhm(scatter_filter_mm) / bin_mm;
-  const std::size_t bins = static_cast<std::size_t>(size) * size;
+  const std::size_t bins = size_of({size, size, 1});
   for (std::size_t v = 0; v < scatter.size(); v += bins)
     widen_square(std::span(scatter).subspan(v, bins), size, sigma * sigma, sigma * sigma);
 }

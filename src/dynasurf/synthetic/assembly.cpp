@@ -110,11 +110,12 @@ namespace {
 Image with_texture(const Image& mean, Image drawn, double texture) {
   if (texture <= 0) return drawn;
   constexpr double slow_voxels = 4;
+  const float strength = texture;
   Image noise(mean.grid);
   for (std::size_t v = 0; v < noise.values.size(); ++v) noise.values[v] = drawn.values[v] - mean.values[v];
   const Image slow = blur(noise, slow_voxels * mean.grid.spacing.minCoeff());
   for (std::size_t v = 0; v < noise.values.size(); ++v)
-    drawn.values[v] = std::max(0.0F, drawn.values[v] - static_cast<float>(texture) * slow.values[v]);
+    drawn.values[v] = std::max(0.0F, drawn.values[v] - strength * slow.values[v]);
   return drawn;
 }
 

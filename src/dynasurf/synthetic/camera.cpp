@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/synthetic/detail/assembly.hpp"
@@ -52,7 +53,7 @@ HeartSolid heart_of(const Phantom& patient) {
   constexpr double rim_mm = 15;  // the right ventricle, the atria and the blood about them
   HeartSolid heart;
   const auto& vertices = patient.truth.front().epi.vertices;
-  for (const Vec3& p : vertices) heart.middle += p / static_cast<double>(vertices.size());
+  heart.middle = mean_point(vertices);
   heart.axis = *patient.axis;
   for (const Vec3& p : vertices) {
     const Vec3 d = p - heart.middle;

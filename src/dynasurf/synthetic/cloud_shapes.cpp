@@ -32,7 +32,7 @@ TriMesh stretched(TriMesh mesh, const Vec3& half_axes) {
 TriMesh tube(int rings, int sides, bool is_ring, const std::function<Vec3(int, int)>& at, const Vec3& start = {},
              const Vec3& end = {}) {
   TriMesh mesh;
-  const auto id = [&](int r, int s) { return static_cast<std::uint32_t>((r % rings) * sides + s % sides); };
+  const auto id = [&](int r, int s) -> std::uint32_t { return (r % rings) * sides + s % sides; };
   for (int r = 0; r < rings; ++r)
     for (int s = 0; s < sides; ++s) mesh.vertices.push_back(at(r, s));
   for (int r = 0; r < (is_ring ? rings : rings - 1); ++r)
@@ -41,7 +41,7 @@ TriMesh tube(int rings, int sides, bool is_ring, const std::function<Vec3(int, i
       mesh.triangles.push_back({id(r, s), id(r + 1, s + 1), id(r, s + 1)});
     }
   if (is_ring) return mesh;
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  const std::uint32_t first = mesh.vertices.size();
   mesh.vertices.push_back(start);
   mesh.vertices.push_back(end);
   for (int s = 0; s < sides; ++s) {
@@ -121,7 +121,7 @@ TriMesh level_surface(const Level& level, double extent) {
   const auto place = [&](const Vec3& grid) { return Vec3(side * grid - Vec3::Constant(extent)); };
   for (int k = 0; k < cells; ++k)
     for (int j = 0; j < cells; ++j)
-      for (int i = 0; i < cells; ++i) image(i, j, k) = static_cast<float>(level(place(Vec3(i, j, k))));
+      for (int i = 0; i < cells; ++i) image(i, j, k) = level(place(Vec3(i, j, k)));
   TriMesh mesh = mesh::marching_cubes(image, 0);
   for (Vec3& p : mesh.vertices) {
     p = place(p);

@@ -87,7 +87,8 @@ Phantom make_phantom(const Organ& options) {
     const double reach = 2.2 * body.half.maxCoeff();
     Scene scene{[&](const Vec3& p) { return around[label_at(p)]; }, {Vec3::Constant(-reach), Vec3::Constant(reach)}};
     image = render_scene(grid, frame, scene, fwhm_before_filter(o.fwhm_mm, o.noise), sub_samples_for(grid, 1.5));
-    for (float& v : image.values) v = std::max(0.0F, v + static_cast<float>(o.outside));
+    const float outside = o.outside;
+    for (float& v : image.values) v = std::max(0.0F, v + outside);
     image = std::move(expose({std::move(image)}, o.noise).front());
   }
   const TriMesh surface = surface_of(body);

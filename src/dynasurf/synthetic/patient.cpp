@@ -256,7 +256,7 @@ Image with_base_first(const Image& image) {
   grid.direction.col(2) *= -1;
   grid.origin = to_world(from, centre_of(from, {0, 0, from.dims[2] - 1}));
   Image result(grid);
-  const std::size_t slice = static_cast<std::size_t>(from.dims[0]) * from.dims[1];
+  const std::size_t slice = from.slice_size();
   for (int k = 0; k < from.dims[2]; ++k)
     std::copy_n(image.values.begin() + slice * (from.dims[2] - 1 - k), slice, result.values.begin() + slice * k);
   return result;
@@ -297,7 +297,7 @@ std::vector<Image> see_beat(const VirtualPatient& o, const VentricleMotion& moti
       const Image seen = render_scene(setting.grid, setting.heart, scene_of(o, now, relaxed), narrow, sub_samples);
       images[g] = see_unevenly(o.irregular, seen, narrow, fwhm);
       for (std::size_t v = 0; v < at_rest.values.size(); ++v) {
-        const double sum = images[g].values[v] + static_cast<double>(at_rest.values[v]);
+        const double sum = images[g].values[v] + double{at_rest.values[v]};
         images[g].values[v] = std::max(0.0, sum + o.background);
       }
     }

@@ -32,7 +32,7 @@ void filter_planes(const PlaneFilter& f, std::span<float> first, std::span<float
     transform(f.table, line, 1);
     for (std::size_t a = 0; a < n; ++a) rows[a][l] = line[a];
   }
-  const double scale = 1 / static_cast<double>(size * size);
+  const double scale = 1.0 / (size * size);
   for (std::size_t a = 0; a < n; ++a) {
     transform(f.table, rows[a], 1);
     for (std::size_t z = 0; z < n; ++z) {

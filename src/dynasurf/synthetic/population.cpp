@@ -36,7 +36,7 @@ void draw_surroundings(Random& random, VirtualPatient& o) {
   if (random.uniform() < 0.4) {
     constexpr Defect places[] = {Defect::inferior, Defect::lateral, Defect::apical, Defect::anteroapical,
                                  Defect::septal};
-    o.defect = places[std::min<std::size_t>(4, static_cast<std::size_t>(5 * random.uniform()))];
+    o.defect = places[std::min<std::size_t>(4, 5 * random.uniform())];
     o.defect_extent_deg = between(random, 50, 110);
     o.defect_severity = between(random, 0.4, 0.9);
   }
@@ -67,7 +67,7 @@ DrawnPatient draw_patient(std::uint64_t seed, std::uint64_t number, int repeat) 
   DrawnPatient drawn;
   drawn.sex = heart.uniform() < 0.45 ? "F" : "M";
   drawn.site = heart.uniform() < 0.5 ? "A" : "B";
-  drawn.age_years = static_cast<int>(std::round(about(heart, 64, 11, 35, 90)));
+  drawn.age_years = std::round(about(heart, 64, 11, 35, 90));
   draw_function(heart, drawn.sex == "F", drawn.options);
   draw_surroundings(heart, drawn.options);
   drawn.options.fwhm_mm = about(heart, drawn.site == "A" ? 11 : 13, 0.5, 9, 15);

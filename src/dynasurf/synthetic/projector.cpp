@@ -11,7 +11,7 @@
 namespace dynasurf::synthetic {
 namespace {
 
-std::size_t at(int row, int n) { return row * static_cast<std::size_t>(n); }
+std::size_t at(Index row, int n) { return row * n; }
 
 /// The four columns around a point of the rotated lattice, and their weights.
 struct Taps {

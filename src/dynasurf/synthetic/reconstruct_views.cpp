@@ -39,17 +39,17 @@ PlaneFilter filter_of(const Fbp& o, int n, double bin_mm) {
 
 /// Adds what one filtered view (across slowest) says of each column, by linear interpolation.
 void spread(const std::vector<float>& bins, double angle_deg, float scale, Columns& sum) {
-  const int n = sum.n;
+  const Index n = sum.n;
   const double angle = angle_deg * (M_PI / 180), middle = (n - 1) / 2.0, c = own::cos(angle), s = own::sin(angle);
-  for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) {
+  for (Index y = 0; y < n; ++y)
+    for (Index x = 0; x < n; ++x) {
       const double a = middle + (x - middle) * c + (y - middle) * s;
-      const int below = floor_int(a);
+      const Index below = floor_int(a);
       if (below < 0 || below + 1 >= n) continue;
       const auto up = static_cast<float>(a - below) * scale, down = scale - up;
-      const float* low = &bins[static_cast<std::size_t>(below) * n];
-      float* column = &sum.values[(static_cast<std::size_t>(y) * n + x) * n];
-      for (int z = 0; z < n; ++z) column[z] += down * low[z] + up * low[n + z];
+      const float* low = &bins[below * n];
+      float* column = &sum.values[(y * n + x) * n];
+      for (Index z = 0; z < n; ++z) column[z] += down * low[z] + up * low[n + z];
     }
 }
 
@@ -83,12 +83,12 @@ std::vector<Image> run(const Projections& p, const Image*, const Fbp& o) {
 /// The columns that every view sees: a disc.
 Columns seen_disc(int n, float value) {
   Columns disc(n);
-  disc.is_empty.assign(static_cast<std::size_t>(n) * n, 1);
+  disc.is_empty.assign(size_of({n, n, 1}), 1);
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
       const double dx = x - (n - 1) / 2.0, dy = y - (n - 1) / 2.0;
       if (dx * dx + dy * dy > 0.25 * (n - 1) * (n - 1)) continue;
-      const std::size_t column = static_cast<std::size_t>(y) * n + x;
+      const std::size_t column = index_in({n, n, 1}, {x, y, 0});
       disc.is_empty[column] = 0;
       std::fill_n(disc.values.begin() + column * n, n, value);
     }
@@ -164,9 +164,7 @@ std::vector<Image> reconstruct_views(const Projections& projections, const Image
 Image cut_out(const Image& image, const Grid& grid) {
   Image result(grid);
   const Grid& from = image.grid;
-  const auto value = [&](int i, int j, int k) {
-    return from.contains(i, j, k) ? static_cast<double>(image(i, j, k)) : 0;
-  };
+  const auto value = [&](int i, int j, int k) -> double { return from.contains(i, j, k) ? image(i, j, k) : 0; };
   parallel_for(grid.dims[2], 1, [&](int begin, int end) {
     for (int k = begin; k < end; ++k)
       for (int j = 0; j < grid.dims[1]; ++j)

@@ -74,7 +74,8 @@ Axis make_axis(int voxels, double spacing, double low, double high, double sigma
 
 /// Plane `h` of sub-samples gathered into voxels along i and j: a row of voxels per j.
 std::vector<double> gather_plane(const Axis& x, const Axis& y, const Axis& z, int h, const Density& density) {
-  std::vector<double> rows(static_cast<std::size_t>(y.count) * x.voxels, 0.0), samples(x.count);
+  const Index width = x.voxels;
+  std::vector<double> rows(width * y.count, 0.0), samples(x.count);
   for (int g = 0; g < y.count; ++g) {
     bool any = false;
     const int row = y.first + g, layer = z.first + h;
@@ -89,15 +90,14 @@ std::vector<double> gather_plane(const Axis& x, const Axis& y, const Axis& z, in
     for (int i = 0; i < x.voxels; ++i) {
       double sum = 0;
       for (int f = x.from[i]; f < x.to[i]; ++f) sum += x.weights[i][f - x.from[i]] * samples[f];
-      rows[static_cast<std::size_t>(g) * x.voxels + i] = sum;
+      rows[width * g + i] = sum;
     }
   }
-  std::vector<double> plane(static_cast<std::size_t>(y.voxels) * x.voxels, 0.0);
+  std::vector<double> plane(width * y.voxels, 0.0);
   for (int j = 0; j < y.voxels; ++j)
     for (int g = y.from[j]; g < y.to[j]; ++g) {
       const double w = y.weights[j][g - y.from[j]];
-      for (int i = 0; i < x.voxels; ++i)
-        plane[static_cast<std::size_t>(j) * x.voxels + i] += w * rows[static_cast<std::size_t>(g) * x.voxels + i];
+      for (int i = 0; i < width; ++i) plane[width * j + i] += w * rows[width * g + i];
     }
   return plane;
 }
@@ -123,7 +123,7 @@ Image render(const Grid& grid, const Density& density, const Box& support, doubl
   });
 
   Image image(grid);
-  const std::size_t slice = static_cast<std::size_t>(grid.dims[0]) * grid.dims[1];
+  const std::size_t slice = grid.slice_size();
   parallel_for(grid.dims[2], 1, [&](std::size_t begin, std::size_t end) {
     std::vector<double> sum(slice);
     for (std::size_t k = begin; k < end; ++k) {

@@ -26,8 +26,9 @@ std::vector<double> areas_up_to(const TriMesh& surface) {
 
 /// The points nearest to one of them go, in their own order.
 void tear_hole(PointCloud& cloud, double share, Random random) {
-  const std::size_t n = cloud.points.size(), gone = static_cast<std::size_t>(share * n);
-  const Vec3 middle = cloud.points[static_cast<std::size_t>(random.uniform() * n)];
+  const std::size_t n = cloud.points.size(), gone = share * n;
+  const std::size_t at = random.uniform() * n;
+  const Vec3 middle = cloud.points[at];
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

@@ -21,7 +21,7 @@ TriMesh make_terrain(const Terrain& options) {
       const double x = i * o.cell_mm, y = j * o.cell_mm;
       mesh.vertices.emplace_back(x, y, hill_height_mm(o, x, y) + (is_spike(i, j) ? o.spike_mm : 0));
     }
-  const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(j * (o.cells + 1) + i); };
+  const auto vertex = [&](int i, int j) -> std::uint32_t { return j * (o.cells + 1) + i; };
   for (int j = 0; j < o.cells; ++j)
     for (int i = 0; i < o.cells; ++i) {
       mesh.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)});

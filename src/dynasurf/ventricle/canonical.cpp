@@ -87,7 +87,7 @@ SliceOrder guess_slice_order(std::span<const Image> gates) {
 Study reverse_slices(Study study) {
   for (Image& image : study.gates) {
     Grid& g = image.grid;
-    const auto slice = static_cast<std::ptrdiff_t>(g.dims[0]) * g.dims[1];
+    const Index slice = g.slice_size();
     for (int low = 0, high = g.dims[2] - 1; low < high; ++low, --high)
       std::swap_ranges(image.values.begin() + low * slice, image.values.begin() + (low + 1) * slice,
                        image.values.begin() + high * slice);

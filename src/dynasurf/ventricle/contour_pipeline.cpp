@@ -43,7 +43,7 @@ Image border_strength(const Search& s, int k) {
       // The inner wall lies within the outer one, whatever slopes there are beyond.
       if (bound && !encloses(*bound, Vec2(i, j))) continue;
       const std::size_t at = plane.grid.index(i, j, 0);
-      const Vec2 falling(static_cast<double>(slope.x[at]), static_cast<double>(slope.y[at]));
+      const Vec2 falling(double{slope.x[at]}, double{slope.y[at]});
       strength.values[at] = std::max(0.0, falling.dot(ray) / distance);
       highest = std::max(highest, strength.values[at]);
     }
@@ -153,7 +153,7 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
     SliceContour found = contour_in_slice(s, k, former);
     dynamics::ContourResult& r = found.rest;
     std::optional<double> before_that;
-    if (k - 2 * direction >= 0 && k - 2 * direction < static_cast<int>(all.slices.size()) && slice(k - 2 * direction))
+    if (k - 2 * direction >= 0 && k - 2 * direction < std::ssize(all.slices) && slice(k - 2 * direction))
       before_that = area_of(*slice(k - 2 * direction));
     const double area = area_of(r.contour), former_area = area_of(former);
     if (r.reason == dynamics::StopReason::diverged || is_jump(area, former_area, before_that, s.options.jump)) {
@@ -177,7 +177,7 @@ void sweep(const Search& s, int to, int direction, WallContours& all) {
 std::pair<int, int> range_of(const Labels& labels, Border wall, int base_slice) {
   const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const Grid& g = labels.borders.grid;
-  const std::size_t plane = g.dims[0] * static_cast<std::size_t>(g.dims[1]);
+  const std::size_t plane = g.slice_size();
   const auto found = std::find_if(labels.borders.values.begin(), labels.borders.values.end(),
                                   [bit](std::uint8_t v) { return (v & bit) != 0; });
   int first = (found - labels.borders.values.begin()) / plane;
@@ -244,7 +244,7 @@ std::optional<ContourSurface> contour_surface(const WallContours& contours, cons
   surface.evolved.mesh = mesh::tessellate(stack, options.tessellation, caps);
   if (options.smooth.sweeps > 0) mesh::smooth(surface.evolved.mesh, options.smooth, grid.spacing.minCoeff());
   surface.evolved.steps = contours.steps;
-  surface.evolved.stopped_fraction = static_cast<double>(contours.at_rest) / contours.found;
+  surface.evolved.stopped_fraction = 1.0 * contours.at_rest / contours.found;
   surface.evolved.reason =
       contours.at_rest == contours.found ? dynamics::StopReason::at_rest : dynamics::StopReason::max_steps;
   surface.evolved.notes = contours.notes;

@@ -71,10 +71,10 @@ RingLook look_around(const Image& image, const Mask& edges, const Circle& circle
       brightest = std::max(brightest, image(i, j, k));
       if (edges(i, j, k) != 0) outermost = r;
     }
-    look.brightness += static_cast<double>(brightest) / directions;
+    look.brightness += double{brightest} / directions;
     if (outermost > 0) radii.push_back(outermost);
   }
-  look.seen = static_cast<double>(radii.size()) / directions;
+  look.seen = 1.0 * radii.size() / directions;
   for (const double r : radii) look.radius += r / radii.size();
   for (const double r : radii) look.spread += (r - look.radius) * (r - look.radius) / radii.size();
   look.spread = std::sqrt(look.spread);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
 #include "dynasurf/mesh/detail/ray_bvh.hpp"
@@ -81,8 +82,7 @@ std::optional<TriMesh> drawn_onto(TriMesh start, const TriMesh& former, const Im
                                   const mesh::Placement& placement) {
   const bool grows = placement.direction == mesh::Direction::in_to_out;
   const mesh::RayBvh surface(former);
-  Vec3 centre = Vec3::Zero();
-  for (const Vec3& p : former.vertices) centre += p / static_cast<double>(former.vertices.size());
+  const Vec3 centre = mean_point(former.vertices);
   const auto radius_along = [&](const Vec3& way) -> double {
     const auto hit = surface.first_hit(centre, way.normalized());
     return hit && hit->from_behind ? hit->distance : 0;
@@ -119,7 +119,7 @@ class SurfaceSearch {
         start_(start),
         progress_(progress),
         quiet_{{}, progress.stop},
-        found_(progress, "surfaces", 2 * static_cast<int>(gates)),
+        found_(progress, "surfaces", 2 * gates),
         clock_(clock) {}
 
   void from_start(WallRun& run, const Image& image) {

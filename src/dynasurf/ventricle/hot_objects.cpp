@@ -19,7 +19,7 @@ double bright_wall(const Image& mean, const heart::LvShell& cup) {
   constexpr double share = 0.8, reach_mm = 8;
   std::vector<double> values;
   for (const heart::RidgePoint& p : heart::find_ridge(mean, cup, 6, 16, reach_mm)) values.push_back(p.brightness);
-  const auto rank = static_cast<std::size_t>(share * values.size());
+  const std::size_t rank = share * values.size();
   return of_rank(std::move(values), rank);
 }
 

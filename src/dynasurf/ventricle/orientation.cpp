@@ -81,11 +81,12 @@ std::vector<psf_fit::WallPoint> wall_points(const UserOverrides& manual, const S
   std::vector<psf_fit::WallPoint> points;
   const Grid& grid = study.grid();
   const auto add = [&](const char* name, const std::vector<double>& numbers, bool is_outer) {
-    if (numbers.size() % 4 != 0)
-      throw OptionError(format("option manual.%s holds %d numbers; expected four for each point: gate,x,y,z", name,
-                               static_cast<int>(numbers.size())));
+    const int count = numbers.size();
+    if (count % 4 != 0)
+      throw OptionError(
+          format("option manual.%s holds %d numbers; expected four for each point: gate,x,y,z", name, count));
     const int gates = study.gates.size();
-    for (std::size_t n = 0; n < numbers.size(); n += 4) {
+    for (int n = 0; n < count; n += 4) {
       const double gate = numbers[n];
       if (!(gate >= 1 && gate <= gates) || gate != std::floor(gate))
         throw OptionError(format("option manual.%s names gate %g; expected gates 1 to %d", name, gate, gates));
@@ -94,7 +95,8 @@ std::vector<psf_fit::WallPoint> wall_points(const UserOverrides& manual, const S
       if (!grid.contains(v[0], v[1], v[2]))
         throw OptionError(format("option manual.%s names the place (%g, %g, %g); expected one inside the volume", name,
                                  place[0], place[1], place[2]));
-      points.push_back({static_cast<int>(gate) - 1, is_outer, place});
+      const int index = gate - 1;
+      points.push_back({index, is_outer, place});
     }
   };
   add("endo_points", manual.endo_points, false);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "dynasurf/core/detail/format.hpp"
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/ventricle/detail/quality_metrics.hpp"
 #include "dynasurf/ventricle/result.hpp"
 
@@ -59,7 +60,7 @@ void flag_gates(const Result& result, std::vector<QualityFlag>& flags, std::stri
   for (const Gate& gate : result.gates)
     if (says_so(gate)) gates.push_back(gate.gate);
   if (!gates.empty())
-    flags.push_back({std::move(code), severity, what + " in " + gate_list(gates), static_cast<double>(gates.size())});
+    flags.push_back({std::move(code), severity, what + " in " + gate_list(gates), 1.0 * gates.size()});
 }
 
 /// What blur or a defect does to edges does not make a fit through the blur doubtful: its error bar knows of unseen
@@ -184,10 +185,7 @@ void flag_place(const Result& result, std::vector<QualityFlag>& flags) {
                     most_beside_mm, most_along * heart.cup.half_length_mm),
              [&](const Gate& gate) {
                if (!gate.edge_surfaces.epi || gate.edge_surfaces.epi->mesh.vertices.empty()) return false;
-               Vec3 middle = Vec3::Zero();
-               for (const Vec3& p : gate.edge_surfaces.epi->mesh.vertices)
-                 middle += p / static_cast<double>(gate.edge_surfaces.epi->mesh.vertices.size());
-               const Vec3 off = middle - heart.cup.middle();
+               const Vec3 off = mean_point(gate.edge_surfaces.epi->mesh.vertices) - heart.cup.middle();
                const double along = off.dot(heart.cup.axis);
                return std::abs(along) > most_along * heart.cup.half_length_mm ||
                       (off - along * heart.cup.axis).norm() > most_beside_mm;
@@ -316,7 +314,7 @@ void flag_notes(const Result& result, std::vector<QualityFlag>& flags) {
                               : is_remark(code) || is_held    ? Severity::info
                               : code == "labels.gate_follows" ? doubt_of_edges(result)
                                                               : Severity::warning;
-    flags.push_back({code, severity, message, static_cast<double>(notes.size())});
+    flags.push_back({code, severity, message, 1.0 * notes.size()});
   }
 }
 

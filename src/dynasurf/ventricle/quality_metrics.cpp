@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/heart/detail/smooth_cycle.hpp"
 #include "dynasurf/image/intensity.hpp"
@@ -67,12 +68,6 @@ std::vector<double> counts_of(std::span<const Image> gates, const heart::LvShell
         for (std::size_t g = 0; g < gates.size(); ++g) counts[g] += gates[g](i, j, k);
       }
   return counts;
-}
-
-Vec3 middle_of(const TriMesh& mesh) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : mesh.vertices) sum += p / static_cast<double>(mesh.vertices.size());
-  return sum;
 }
 
 /// Spread of the distance from the section's own middle, over the middle part of the surface below `top_mm`, where the
@@ -135,7 +130,7 @@ double largest_move(const Result& result, const heart::LvShell& cup) {
       along.push_back(std::nullopt);
       continue;
     }
-    const Vec3 d = middle_of(gate.edge_surfaces.epi->mesh) - cup.centre;
+    const Vec3 d = mean_point(gate.edge_surfaces.epi->mesh.vertices) - cup.centre;
     u.push_back(d.dot(a.u)), v.push_back(d.dot(a.v)), along.push_back(d.dot(cup.axis));
   }
   double largest = result.gates.size() < 4 ? 0 : largest_residual(along);
@@ -222,7 +217,7 @@ double hot_neighbour_share(const Image& image, const heart::LvShell& cup) {
   const double typical = quantile(walls, 0.75);  // not of a defect
   const auto hot = std::count_if(profiles.begin(), profiles.end(),
                                  [&](const auto& profile) { return touches_something_hot(profile, typical); });
-  return hot / static_cast<double>(profiles.size());
+  return 1.0 * hot / profiles.size();
 }
 
 double noise_of_wall(std::span<const Image> gates, const heart::LvShell& cup) {

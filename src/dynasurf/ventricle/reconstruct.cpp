@@ -210,9 +210,9 @@ WallStages stages_of(const WallRun& run, const Image* drag) {
 
 void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, const Study& study,
                       const dynamics::Evolution& evolution) {
-  for (std::size_t g = 0; g < runs.size(); ++g) {
+  for (int g = 0; g < std::ssize(runs); ++g) {
     GateRun& run = runs[g];
-    Intermediates stages{static_cast<int>(g), &study.gates[g], &run.edges, &run.labels, {}, {}};
+    Intermediates stages{g, &study.gates[g], &run.edges, &run.labels, {}, {}};
     std::optional<Image> drags[2];
     for (std::size_t w = 0; w < 2; ++w) {
       const WallRun& wall = run.wall(walls[w]);
@@ -272,12 +272,13 @@ Study without_gates(Study study, const std::vector<int>& gates) {
   }
   if (2 * std::count(excluded.begin(), excluded.end(), true) > count)
     throw OptionError(format("option manual.exclude_gates names more than half of the %d gates", count));
-  for (const auto& [gate, before, after] : fill_gates(study.gates, excluded))
-    study.notes.push_back(
-        {Severity::info, "gate.excluded",
-         format("gate %d was excluded by hand: the mean of gates %d and %d stands in its place",
-                static_cast<int>(gate + 1), static_cast<int>(before + 1), static_cast<int>(after + 1)),
-         static_cast<int>(gate)});
+  for (const auto& filled : fill_gates(study.gates, excluded)) {
+    const int gate = filled.gate, before = filled.before, after = filled.after;
+    study.notes.push_back({Severity::info, "gate.excluded",
+                           format("gate %d was excluded by hand: the mean of gates %d and %d stands in its place",
+                                  gate + 1, before + 1, after + 1),
+                           gate});
+  }
   return study;
 }
 
@@ -324,7 +325,7 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   std::optional<Mask> region;
   if (own.mask != nullptr) region = region_on(*own.mask, run.study.grid());
 
-  const auto is_left_out = [&](std::size_t g) { return own.only_gate && static_cast<int>(g) != *own.only_gate; };
+  const auto is_left_out = [&](int g) { return own.only_gate && g != *own.only_gate; };
   StageCounter borders_found(progress, "borders", run.gates.size());
   parallel_for(run.gates.size(), 1, [&](std::size_t g, std::size_t) {
     if (is_left_out(g)) return;

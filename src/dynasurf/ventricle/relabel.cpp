@@ -78,8 +78,7 @@ Labels relabel(const Mask& edges, const Labels& before, const Labels& after, dou
   labels.notes.clear();
   labels.local.clear();
   const Grid& grid = edges.grid;
-  const int reach_i = static_cast<int>(reach_mm / grid.spacing[0]),
-            reach_j = static_cast<int>(reach_mm / grid.spacing[1]);
+  const int reach_i = reach_mm / grid.spacing[0], reach_j = reach_mm / grid.spacing[1];
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j)
       for (int i = 0; i < grid.dims[0]; ++i) {

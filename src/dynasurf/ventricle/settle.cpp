@@ -38,9 +38,8 @@ Profiles profiles_of(const TriMesh& mesh, const std::vector<Vec3>& normals, cons
   p.slopes.resize(mesh.vertices.size() * p.width);
   std::vector<double> values(p.width + 2);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    for (std::size_t s = 0; s < values.size(); ++s)
-      values[s] =
-          image::sample_cubic(image, mesh.vertices[v] + (static_cast<double>(s) - reach - 1) * p.step_mm * normals[v]);
+    for (int s = 0; s < std::ssize(values); ++s)
+      values[s] = image::sample_cubic(image, mesh.vertices[v] + (s - reach - 1) * p.step_mm * normals[v]);
     const std::span<double> row = p.of(v);
     for (std::size_t s = 0; s < row.size(); ++s) row[s] = (values[s + 2] - values[s]) / (2 * p.step_mm);
   }
@@ -81,14 +80,14 @@ struct Peak {
 
 /// Uphill from the middle to the nearest maximum, and to the vertex of the parabola there; none at an end of the row.
 std::optional<Peak> peak_of(std::span<const double> row, double step_mm) {
-  const std::size_t middle = row.size() / 2;
-  std::size_t at = middle;
-  while (at > 0 && at + 1 < row.size() && std::max(row[at - 1], row[at + 1]) > row[at])
+  const Index middle = row.size() / 2;
+  Index at = middle;
+  while (at > 0 && at + 1 < std::ssize(row) && std::max(row[at - 1], row[at + 1]) > row[at])
     at = row[at + 1] > row[at - 1] ? at + 1 : at - 1;
-  if (at == 0 || at + 1 == row.size()) return std::nullopt;
+  if (at == 0 || at + 1 == std::ssize(row)) return std::nullopt;
   const double bend = row[at - 1] - 2 * row[at] + row[at + 1];
   const double share = bend < 0 ? 0.5 * (row[at - 1] - row[at + 1]) / bend : 0;
-  return Peak{step_mm * (at - static_cast<double>(middle) + share), row[at]};
+  return Peak{step_mm * (at - middle + share), row[at]};
 }
 
 /// `least_slope`: what is no slope at all.

@@ -16,6 +16,9 @@ struct Patch {
   std::uint32_t first_triangle = 0;  // slots from here on are the patch
   std::vector<std::uint32_t> rim;    // vertices where the patch meets the surface
   double bending = 0;                // integral of the squared mean curvature over the patch: no unit
+
+  /// The vertices of the rim, then the patch's own.
+  std::uint32_t vertex(std::size_t i) const { return i < rim.size() ? rim[i] : first_vertex + (i - rim.size()); }
 };
 
 /// Closes the loop `a` of an open surface, or with `b` joins two loops by a tube, with triangles about as large as

@@ -10,7 +10,7 @@ namespace dynasurf {
 template <class T>
 T of_rank(std::vector<T> values, std::size_t rank) {
   if (rank >= values.size()) return T();
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  const auto at = values.begin() + rank;
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -19,7 +19,7 @@ T of_rank(std::vector<T> values, std::size_t rank) {
 template <class T>
 T quantile(std::vector<T> values, double share) {
   if (values.empty()) return T();
-  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  const std::size_t rank = share * (values.size() - 1);
   return of_rank(std::move(values), rank);
 }
 

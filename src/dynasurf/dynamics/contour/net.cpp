@@ -166,9 +166,7 @@ class Lattice {
   bool row_link(int r, int c) const { return quad(r - 1, c) || quad(r, c); }     // (r,c)-(r,c+1)
   bool column_link(int r, int c) const { return quad(r, c - 1) || quad(r, c); }  // (r,c)-(r+1,c)
 
-  static double value(const Image& image, const Vec2& p) {
-    return image.clamped(static_cast<int>(p.x()), static_cast<int>(p.y()), 0);
-  }
+  static double value(const Image& image, const Vec2& p) { return image.clamped(p.x(), p.y(), 0); }
 
   /// Sum of the distances from strong gradients at both ends and the middle of a link of the rim, where one of them
   /// lies in the background and too far from every border; else 0. The ends alone would not do: those of a link from
@@ -244,7 +242,7 @@ std::vector<int> parts_of(const Net& net, int& count) {
   std::map<std::uint32_t, int> number;
   std::vector<int> part;
   for (std::uint32_t v = 0; v < parent.size(); ++v)
-    part.push_back(number.emplace(root(v), static_cast<int>(number.size())).first->second);
+    part.push_back(number.emplace(root(v), number.size()).first->second);
   count = number.size();
   return part;
 }
@@ -313,8 +311,7 @@ NetShape shape_of(const Net& net) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> links;
   for (const auto& q : net.quads)
     for (std::size_t i = 0; i < 4; ++i) ++links[std::minmax(q[i], q[(i + 1) % 4])];
-  const int euler =
-      static_cast<int>(net.nodes.size()) - static_cast<int>(links.size()) + static_cast<int>(net.quads.size());
+  const Index euler = std::ssize(net.nodes) - std::ssize(links) + std::ssize(net.quads);
   shape.holes = shape.parts - euler;
   return shape;
 }

@@ -79,7 +79,7 @@ Image image_potential(const Image& plane, const Potential& requested) {
     image = each_pixel(image.grid, [&](int i, int j) { return field::detail::gradient_at(image, i, j, 0).norm(); });
   const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
   // A gradient has a zero of its own; intensities are counted from their least value.
-  const double bottom = options.source == PotentialSource::gradient ? 0 : static_cast<double>(*low);
+  const double bottom = options.source == PotentialSource::gradient ? 0 : double{*low};
   const double top = *high, range = top - bottom;
   if (!(range > 0)) return Image(image.grid);
   const bool dark = options.source == PotentialSource::dark;
@@ -115,7 +115,7 @@ field::VectorField force_of(const Image& energy, double scale) {
 field::VectorField scaled_to_one(field::VectorField field) {
   float largest = 0;
   for (std::size_t n = 0; n < field.x.size(); ++n)
-    largest = std::max(largest, static_cast<float>(own::hypot(field.x[n], field.y[n])));
+    largest = std::max<float>(largest, own::hypot(field.x[n], field.y[n]));
   if (largest > 0)
     for (std::size_t n = 0; n < field.x.size(); ++n) field.x[n] /= largest, field.y[n] /= largest;
   return field;

@@ -1,13 +1,10 @@
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/dynamics/forces/forces.hpp"
 
 namespace dynasurf::dynamics {
 namespace {
 
-std::size_t nearest(double mm, double spacing_mm, int count) {
-  const double t = mm / spacing_mm + 0.5;
-  if (!(t > 0)) return 0;  // compared before the conversion: particles may be far away, or nowhere
-  return t < count ? static_cast<std::size_t>(t) : static_cast<std::size_t>(count - 1);
-}
+std::size_t nearest(double mm, double spacing_mm, int count) { return whole_within(mm / spacing_mm + 0.5, count); }
 
 /// Drag that `drag_at(position)` gives.
 template <class DragAt>

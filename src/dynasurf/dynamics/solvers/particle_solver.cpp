@@ -137,7 +137,7 @@ SolverWork ParticleSolver::step_implicit(ParticleSystem& system, double h, const
       right[i] = h * (force[i] + h * ahead);
     }
     const SystemMatrix matrix(system, *jacobian_, h);
-    const int most = options.max_iterations > 0 ? options.max_iterations : 3 * static_cast<int>(n);
+    const int most = options.max_iterations > 0 ? options.max_iterations : 3 * n;
     return conjugate_gradients([&](auto x, auto y) { matrix.multiply(x, y); }, matrix.inverse_diagonal(), right, change,
                                options.tolerance, most);
   };

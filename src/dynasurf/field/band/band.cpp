@@ -112,11 +112,8 @@ struct BorderBits {
   std::vector<Index3> place;
   std::vector<std::array<std::uint64_t, 8>> bits;  // one word per slice of a brick
 
-  std::size_t entry(const Index3& p) const {
-    return p[0] + bricks[0] * (p[1] + bricks[1] * static_cast<std::size_t>(p[2]));
-  }
   std::size_t brick(const Index3& p) {
-    std::int32_t& number = brick_at[entry(p)];
+    std::int32_t& number = brick_at[index_in(bricks, p)];
     if (number < 0) {
       number = place.size();
       place.push_back(p);
@@ -125,7 +122,7 @@ struct BorderBits {
     return number;
   }
   float operator()(const Index3& v) const {
-    const std::int32_t number = brick_at[entry({v[0] / side, v[1] / side, v[2] / side})];
+    const std::int32_t number = brick_at[index_in(bricks, {v[0] / side, v[1] / side, v[2] / side})];
     if (number < 0) return 0;
     const std::uint64_t slice = bits[number][v[2] % side];
     return slice >> (v[0] % side + side * (v[1] % side)) & 1 ? 1.0f : 0.0f;
@@ -135,7 +132,7 @@ struct BorderBits {
 std::vector<BrickData> data_of(const Grid& g, std::span<const Index3> border) {
   BorderBits map;
   map.bricks = bricks_of(g);
-  map.brick_at.assign(map.entry({map.bricks[0] - 1, map.bricks[1] - 1, map.bricks[2] - 1}) + 1, -1);
+  map.brick_at.assign(size_of(map.bricks), -1);
   for (std::size_t n = 0; n < border.size(); ++n) {
     const Index3& v = border[n];
     if (v[0] < 0 || v[1] < 0 || v[2] < 0 || !band::is_inside(v, g.dims))

@@ -13,10 +13,6 @@ Index3 bricks_of(const Index3& dims) {
   return n;
 }
 
-std::size_t entry(const Level& l, const Index3& p) {
-  return p[0] + l.bricks[0] * (p[1] + l.bricks[1] * static_cast<std::size_t>(p[2]));
-}
-
 /// Calls `body` with every place of the level's box within `reach` bricks of another.
 template <class F>
 void around(const Level& l, const Index3& p, int reach, F body) {
@@ -32,7 +28,7 @@ void around(const Level& l, const Index3& p, int reach, F body) {
 
 /// Makes the brick where there is none yet.
 void add_brick(Level& l, const Index3& p) {
-  std::int32_t& number = l.brick_at[entry(l, p)];
+  std::int32_t& number = l.brick_at[index_in(l.bricks, p)];
   if (number >= 0) return;
   number = l.place.size();
   l.place.push_back(p);
@@ -62,7 +58,7 @@ void number_bricks(Level& l) {
   std::sort(l.place.begin(), l.place.end(), [](const Index3& p, const Index3& q) {
     return std::array{p[2], p[1], p[0]} < std::array{q[2], q[1], q[0]};
   });
-  for (std::size_t n = 0; n < l.place.size(); ++n) l.brick_at[entry(l, l.place[n])] = n;
+  for (std::size_t n = 0; n < l.place.size(); ++n) l.brick_at[index_in(l.bricks, l.place[n])] = n;
 }
 
 Axis axis_of(std::vector<double> width, double nominal) {
@@ -88,7 +84,7 @@ Level level_of(std::array<Axis, 3> axis) {
   for (std::size_t a = 0; a < 3; ++a) l.dims[a] = axis[a].count;
   l.axis = std::move(axis);
   l.bricks = bricks_of(l.dims);
-  l.brick_at.assign(entry(l, {l.bricks[0] - 1, l.bricks[1] - 1, l.bricks[2] - 1}) + 1, -1);
+  l.brick_at.assign(size_of(l.bricks), -1);
   return l;
 }
 

@@ -29,11 +29,10 @@ struct Stage {
 /// All stages in one pass over memory: each stays one layer of bricks behind the one before it, whose results on both
 /// sides it reads.
 void run_in_layers(const Level& l, std::initializer_list<Stage> stages) {
-  const int layers = l.bricks[2], last = layers + static_cast<int>(stages.size()) - 1;
-  const auto first_of = [&](int layer) {
+  const int layers = l.bricks[2], last = layers + std::ssize(stages) - 1;
+  const auto first_of = [&](int layer) -> std::size_t {
     const auto is_below = [](const Index3& place, int z) { return place[2] < z; };
-    return static_cast<std::size_t>(std::lower_bound(l.place.begin(), l.place.end(), layer, is_below) -
-                                    l.place.begin());
+    return std::lower_bound(l.place.begin(), l.place.end(), layer, is_below) - l.place.begin();
   };
   for (int step = 0; step < last; ++step) {
     int layer = step;
@@ -171,19 +170,19 @@ DYNASURF_INLINE void fill_parents(const Level& f, const Level& g, std::size_t n,
       cell[a][i + 1] = at % side;
     }
   }
-  const auto size = [&](std::size_t a) { return static_cast<std::size_t>(p.count[a] + 2); };
+  const auto size = [&](std::size_t a) -> std::size_t { return p.count[a] + 2; };
   for (std::size_t k = 0; k < size(2); ++k)
     for (std::size_t j = 0; j < size(1); ++j)
       for (std::size_t i = 0, end; i < size(0); i = end) {  // runs of cells of one brick
         for (end = i + 1; end < size(0) && brick[0][end] == brick[0][i];) ++end;
         const int number = g.number({brick[0][i], brick[1][j], brick[2][k]});
-        const auto m = static_cast<std::size_t>(std::max(number, 0));
+        const std::size_t m = std::max(number, 0);
         const std::size_t from = cell_at(0, cell[1][j], cell[2][k]), to = Parents::width * (j + Parents::width * k);
         for (std::size_t c = 0; c < 3; ++c) {
           const float *u = g.u[m][c].data() + from, *before = g.before[m][c].data() + from;
           float* v = p.v[c] + to;
           for (std::size_t q = i; q < end; ++q) {
-            const auto at = static_cast<std::size_t>(cell[0][q]);
+            const std::size_t at = cell[0][q];
             v[q] = number < 0 ? 0 : change ? u[at] - before[at] : u[at];
           }
         }
@@ -239,7 +238,7 @@ DYNASURF_CLONES void fill_ghosts_of(Level& f, const Level& g, std::size_t n) {
   for (int face = 0; face < faces; ++face) {
     const std::int32_t number = f.ghost_at[n][face];
     if (number < 0) continue;
-    const auto axis = static_cast<std::size_t>(face / 2);
+    const std::size_t axis = face / 2;
     Index3 low{0, 0, 0}, high{side - 1, side - 1, side - 1};
     low[axis] = high[axis] = face % 2 == 0 ? -1 : side;
     auto& ghosts = f.ghosts[number];
@@ -277,7 +276,7 @@ DYNASURF_CLONES void restrict_brick(const Level& f, Level& g, std::size_t n) {
   Index3 parent = f.place[n];
   for (std::size_t a = 0; a < 3; ++a)
     if (f.axis[a].halved) parent[a] /= 2;
-  const auto m = static_cast<std::size_t>(g.number(parent));
+  const std::size_t m = g.number(parent);
   Index3 count;  // cells of the brick inside the grid
   std::array<int, 3> origin{};
   for (std::size_t a = 0; a < 3; ++a) {

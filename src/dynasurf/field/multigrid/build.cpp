@@ -68,12 +68,12 @@ void rasterise(Level& l, std::array<Axis, 3> axis, bool finest) {
   l.axis = std::move(axis);
   l.finest = finest;
   l.slot = ((l.nx() + 1) / 2 + lanes - 1) / lanes * lanes;
-  l.stride = 6 * static_cast<std::size_t>(l.slot);
-  const std::size_t rows = l.ny() * static_cast<std::size_t>(l.nz());
+  l.stride = 6 * l.slot;
+  const std::size_t rows = size_of({1, l.ny(), l.nz()});
   const std::size_t vector_size = rows * l.stride + 2 * lanes, scalar_size = rows * 2 * l.slot;
   make_room(l.u, vector_size, changed);
   if (finest) {
-    make_room(l.empty_d, 18 * static_cast<std::size_t>(l.slot), true);
+    make_room(l.empty_d, 18 * l.slot, true);
     l.block_of.resize(scalar_size / lanes);
     l.change.resize(rows);
     l.size.resize(rows);
@@ -85,7 +85,7 @@ void rasterise(Level& l, std::array<Axis, 3> axis, bool finest) {
 }
 
 void fill_lanes(Level& l) {
-  make_room(l.lane_values, 8 * static_cast<std::size_t>(l.slot), true);
+  make_room(l.lane_values, 8 * l.slot, true);
   const Axis& x = l.axis[0];
   for (int i = 0; i < x.count; ++i) {
     float* v = l.lane_values.data() + (i % 2) * l.slot + i / 2;

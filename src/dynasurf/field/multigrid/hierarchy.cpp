@@ -135,7 +135,7 @@ void Hierarchy::run_in_strips(std::size_t l, std::span<const Stage> stages, cons
   const std::vector<int> lag = lags_of(stages), margin = margins_of(stages);
   const Rows first = grown(last, margin[0], f);
   const int k_begin = first.k0 / 2 * 2, j_begin = first.j0 / 2 * 2, height = first.j1 - j_begin + lag.back();
-  const int row_bytes = static_cast<int>(sizeof(float)) * f.slot * (f.finest ? 8 : 16);
+  const int row_bytes = sizeof(float) * f.slot * (f.finest ? 8 : 16);
   const int cached_rows = std::max(cached_bytes / ((lag.back() + 2 * step) * row_bytes), 4);
   const int pairs_of_strips = pieces(height, 2 * cached_rows);  // an even number for two threads
   const int rows = (pieces(height, 2 * pairs_of_strips) + 1) / 2 * 2;

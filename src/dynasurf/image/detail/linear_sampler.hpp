@@ -23,7 +23,7 @@ struct PlaceOnAxis {
 };
 inline PlaceOnAxis place_on(const SampledAxis& axis, double mm) {
   const double at = std::clamp(mm / axis.spacing, 0.0, axis.last);
-  const int low = std::min(static_cast<int>(at), axis.last_low);
+  const int low = std::min<int>(at, axis.last_low);
   return {low, at - low};
 }
 

@@ -15,7 +15,7 @@ struct Slice {
   std::vector<float> values;
 
   Slice() = default;
-  Slice(int w, int h) : width(w), height(h), values(w * static_cast<std::size_t>(h)) {}
+  Slice(int w, int h) : width(w), height(h), values(size_of({w, h, 1})) {}
   float& operator()(int i, int j) { return values[j * width + i]; }
   float operator()(int i, int j) const { return values[j * width + i]; }
   float clamped(int i, int j) const {

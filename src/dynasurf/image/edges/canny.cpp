@@ -37,7 +37,8 @@ struct Thresholds {
 };
 
 Thresholds share_of(float max, const Canny& o) {
-  return {static_cast<float>(o.low * max), static_cast<float>(o.high * max)};
+  const float low = o.low * max, high = o.high * max;
+  return {low, high};
 }
 
 /// Value below which a share `q` of the non-zero values lies; 0 when there are none.
@@ -52,7 +53,8 @@ float quantile_of_nonzero(const std::vector<Work>& work, double q) {
 Thresholds common_thresholds(const std::vector<Work>& work, const Image& gradient, const Canny& o) {
   if (o.threshold != CannyThreshold::percentile) return share_of(largest_of(gradient), o);
   const float high = quantile_of_nonzero(work, o.high);
-  return {static_cast<float>(o.low * high), high};
+  const float low = o.low * high;
+  return {low, high};
 }
 
 /// The four grid directions of which a minor edge is a maximum along at least one.
@@ -71,8 +73,8 @@ bool is_minor(const Work& w, int i, int j, float low) {
 
 /// The edge each pixel of a slice belongs to, 0: none.
 std::vector<int> number_edges(const Mask& edges, int k, int width, int height) {
-  std::vector<int> number(width * static_cast<std::size_t>(height), 0);
-  const auto at = [&](int i, int j) { return static_cast<std::size_t>(j * width + i); };
+  std::vector<int> number(size_of({width, height, 1}), 0);
+  const auto at = [&](int i, int j) { return index_in({width, height, 1}, {i, j, 0}); };
   int last = 0;
   std::vector<std::pair<int, int>> stack;
   for (int j = 0; j < height; ++j)
@@ -96,7 +98,7 @@ std::vector<int> number_edges(const Mask& edges, int k, int width, int height) {
 void add_minor_edges(const Work& w, float low, Mask& edges, int k) {
   const int width = w.magnitude.width, height = w.magnitude.height;
   const std::vector<int> number = number_edges(edges, k, width, height);
-  const auto at = [&](int i, int j) { return static_cast<std::size_t>(j * width + i); };
+  const auto at = [&](int i, int j) { return index_in({width, height, 1}, {i, j, 0}); };
   std::vector<std::uint8_t> open(number.size(), 0);
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i) open[at(i, j)] = is_minor(w, i, j, low);

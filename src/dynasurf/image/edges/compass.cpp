@@ -55,7 +55,7 @@ std::vector<int> wedge_areas(int dx, int dy, double radius, int wedges) {
       const double within = own::atan2(y, x) / (std::numbers::pi / 2) * wedges;
       const int first = quarter * wedges;
       const bool on_border = x == y && wedges % 2 == 0;
-      const int wedge = on_border ? wedges / 2 : std::min(wedges - 1, static_cast<int>(within));
+      const int wedge = on_border ? wedges / 2 : std::min<int>(wedges - 1, within);
       area[first + wedge] += 1;
       area[first + (on_border ? wedge - 1 : wedge)] += 1;
     }
@@ -77,10 +77,11 @@ Window make_window(const Compass& o) {
     for (int dx = -w.radius; dx <= w.radius; ++dx) {
       const std::int32_t unit = std::lround(window_mass * weight(dx, dy) / sum);
       const std::vector<int> areas = wedge_areas(dx, dy, radius, o.wedges);
+      const int pixel = w.pixels.size();
       std::int32_t mass = 0;
-      for (std::size_t n = 0; n < areas.size(); ++n) {
+      for (int n = 0; n < std::ssize(areas); ++n) {
         if (areas[n] == 0 || unit == 0) continue;
-        w.shares.push_back({static_cast<int>(w.pixels.size()), static_cast<int>(n), unit * areas[n]});
+        w.shares.push_back({pixel, n, unit * areas[n]});
         mass += unit * areas[n];
       }
       if (mass == 0) continue;
@@ -104,9 +105,9 @@ struct Moments {
   /// Squared deviations from the mean.
   double deviation() const {
     if (mass == 0) return 0;
-    return second - first * static_cast<double>(first) / mass;
+    return second - 1.0 * first * first / mass;
   }
-  double mean() const { return first / static_cast<double>(mass); }
+  double mean() const { return 1.0 * first / mass; }
 };
 
 /// Splits the values at the mean of the cluster with the largest deviation until there are `most` or all are narrow.
@@ -132,7 +133,7 @@ Codebook split(const std::array<Moments, bins + 1>& below, int low, double bins_
     }
     if (worst < 0) break;
     const Cluster from = clusters[worst];
-    const int mean_bin = static_cast<int>((from.moments.mean() - low) * bins_per_level);
+    const int mean_bin = (from.moments.mean() - low) * bins_per_level;
     const auto divides = [&](int at) {
       return at > from.begin && at < from.end && make(from.begin, at).moments.mass > 0 &&
              make(at, from.end).moments.mass > 0;
@@ -153,8 +154,7 @@ Codebook split(const std::array<Moments, bins + 1>& below, int low, double bins_
   for (int c = 0; c < count; ++c) {
     const Cluster& at = clusters[c];
     book.value[c] = at.moments.mean();
-    std::fill(book.cluster_of_bin.begin() + at.begin, book.cluster_of_bin.begin() + at.end,
-              static_cast<std::uint8_t>(c));
+    std::fill(book.cluster_of_bin.begin() + at.begin, book.cluster_of_bin.begin() + at.end, c);
   }
   return book;
 }
@@ -269,8 +269,8 @@ class Operator {
     for (std::size_t i = 0; i + 1 < count; ++i)
       for (std::size_t j = i + 1; j < count; ++j) {
         // NOLINTNEXTLINE(bugprone-incorrect-roundings): values ascend, and std::lround is a call.
-        const float d = distance_[static_cast<std::size_t>(book.value[j] - book.value[i] + 0.5)];
-        move_between(&below_a[i], &below_a[j], &below_b[i], &below_b[j], d / 4, work);
+        const std::size_t apart = book.value[j] - book.value[i] + 0.5;
+        move_between(&below_a[i], &below_a[j], &below_b[i], &below_b[j], distance_[apart] / 4, work);
       }
 
     Peak peak = find_peak(work.data(), total);
@@ -305,7 +305,8 @@ class Operator {
 
     const float fall = before(peak) - after(peak), bend = before(peak) + after(peak) - 2 * most;
     const float t = bend < 0 ? fall / (2 * bend) : 0;
-    Peak p{static_cast<std::size_t>(peak), {}};
+    const std::size_t place = peak;
+    Peak p{place, {}};
     p.needle.strength = std::min(1.0F, (most - fall * t / 4) / total);
     p.needle.abnormality = least / total;
     p.needle.uncertainty_deg = 180.0 / turns * near;
@@ -331,10 +332,10 @@ struct Padded {
 
 Padded pad(const Slice& s, int radius, float low, float high) {
   Padded p{s.width + 2 * radius, {}};
-  const double scale = (levels - 1) / (static_cast<double>(high) - low);
+  const double scale = (levels - 1) / (double{high} - low);
   for (int j = -radius; j < s.height + radius; ++j)
     for (int i = -radius; i < s.width + radius; ++i)
-      p.values.push_back(std::lround((static_cast<double>(s.clamped(i, j)) - low) * scale));
+      p.values.push_back(std::lround((double{s.clamped(i, j)} - low) * scale));
   return p;
 }
 

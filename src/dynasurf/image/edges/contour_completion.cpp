@@ -72,7 +72,7 @@ void mix_in(const std::optional<Conic>& prior, double weight, Products& p) {
       const Eigen::Vector2d across = prior->slope(i, j);
       const double length2 = across.squaredNorm();
       if (!(length2 > 0)) continue;
-      const double seen = p.xx(i, j) + static_cast<double>(p.yy(i, j));
+      const double seen = p.xx(i, j) + double{p.yy(i, j)};
       const double share = seen > 0 ? (1 - weight) / seen : 0;
       const auto mix = [&](float& value, double of_prior) { value = share * value + weight * of_prior / length2; };
       mix(p.xx(i, j), across[0] * across[0]);
@@ -85,6 +85,14 @@ Tensor tangents_of(const Slice& image, const ContourCompletion& o, const std::op
   Products p = in_window(products_of(image, o.gradient_sigma_px), o.tensor_sigma_px);
   mix_in(prior, o.prior_weight, p);
   return tensor_of(p);
+}
+
+void add_vote(Products& votes, int i, int j, double weight, const Eigen::Vector2d& across) {
+  const float xx = weight * across[0] * across[0], xy = weight * across[0] * across[1],
+              yy = weight * across[1] * across[1];
+  votes.xx(i, j) += xx;
+  votes.xy(i, j) += xy;
+  votes.yy(i, j) += yy;
 }
 
 /// asin(s) / s up to 45 degrees, to a ten-thousandth.
@@ -110,9 +118,7 @@ void vote(const Pixel& from, double across_x, double across_y, double reach_px, 
       const double weight = own::exp(-0.5 * (length * length / (reach_px * reach_px) + bend * bend));
       const double turn_cos = cosine * cosine - sine * sine, turn_sin = (along < 0 ? 2 : -2) * sine * cosine;
       const double nx = across_x * turn_cos - across_y * turn_sin, ny = across_x * turn_sin + across_y * turn_cos;
-      votes.xx(i, j) += static_cast<float>(weight * nx * nx);
-      votes.xy(i, j) += static_cast<float>(weight * nx * ny);
-      votes.yy(i, j) += static_cast<float>(weight * ny * ny);
+      add_vote(votes, i, j, weight, {nx, ny});
     }
 }
 
@@ -143,9 +149,7 @@ void add_votes_of(const Conic& prior, const Slice& contour, double reach_px, dou
           if (off * off > 16) continue;
           const double x = (i - pi) / reach_px, y = (j - pj) / reach_px;
           const double vote = weight * own::exp(-0.5 * (off * off + x * x + y * y)) / slope2;
-          votes.xx(i, j) += static_cast<float>(vote * slope[0] * slope[0]);
-          votes.xy(i, j) += static_cast<float>(vote * slope[0] * slope[1]);
-          votes.yy(i, j) += static_cast<float>(vote * slope[1] * slope[1]);
+          add_vote(votes, i, j, vote, slope);
         }
     }
 }
@@ -159,8 +163,9 @@ Tensor extended_tangents_of(const Slice& contour, const ContourCompletion& o, co
   const Tensor right = tensor_of(votes_of(contour, own.normal, reach_px));
   Products votes = votes_of(contour, right.normal, reach_px);
   if (prior && o.prior_weight > 0) {
+    const float kept = 1 - o.prior_weight;
     for (Slice* s : {&votes.xx, &votes.xy, &votes.yy})
-      for (float& v : s->values) v *= static_cast<float>(1 - o.prior_weight);
+      for (float& v : s->values) v *= kept;
     add_votes_of(*prior, contour, 2 * reach_px, o.prior_weight, votes);
   }
   return tensor_of(votes);

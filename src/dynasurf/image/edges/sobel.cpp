@@ -9,7 +9,7 @@ SliceVectors sobel_of(const Slice& s) {
   SliceVectors g{Slice(s.width, s.height), Slice(s.width, s.height)};
   for (int j = 0; j < s.height; ++j)
     for (int i = 0; i < s.width; ++i) {
-      const auto at = [&](int di, int dj) { return static_cast<double>(s.clamped(i + di, j + dj)); };
+      const auto at = [&](int di, int dj) -> double { return s.clamped(i + di, j + dj); };
       const double right = at(1, -1) + at(1, 1) + 2 * at(1, 0), left = at(-1, -1) + at(-1, 1) + 2 * at(-1, 0);
       const double below = at(-1, 1) + at(1, 1) + 2 * at(0, 1), above = at(-1, -1) + at(1, -1) + 2 * at(0, -1);
       g.x(i, j) = right - left;

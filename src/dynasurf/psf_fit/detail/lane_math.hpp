@@ -30,7 +30,7 @@ DYNASURF_INLINE float exp_of(float x) {
 
 /// The cube root of a number from 1e-28 to 1e28: a guess from its exponent, then two of Halley's steps.
 DYNASURF_INLINE float cube_root(float a) {
-  const auto third = static_cast<std::int32_t>(std::bit_cast<std::int32_t>(a) * (1.0F / 3));
+  const std::int32_t third = std::bit_cast<std::int32_t>(a) * (1.0F / 3);
   float x = std::bit_cast<float>(third + 0x2a514067);
   for (int step = 0; step < 2; ++step) {
     const float cubed = x * x * x;

@@ -14,7 +14,7 @@ struct Pixels {
   Index3 count{0, 0, 0};
   Vec3 spacing{1, 1, 1};  // of the study's voxels, mm
 
-  std::size_t size() const { return static_cast<std::size_t>(count[0]) * count[1] * count[2]; }
+  std::size_t size() const { return size_of(count); }
   double centre(int axis, int n) const {
     return spacing[axis] * (first[axis] + n * joined[axis] + 0.5 * (joined[axis] - 1));
   }
@@ -29,7 +29,7 @@ struct CellLattice {
   Vec3 step{1, 1, 1};
   double edge_mm = 0;  // activity has edges of this standard deviation already
 
-  std::size_t size() const { return static_cast<std::size_t>(count[0]) * count[1] * count[2]; }
+  std::size_t size() const { return size_of(count); }
   double cell_mm3() const { return step.prod(); }
 };
 

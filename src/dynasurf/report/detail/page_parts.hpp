@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -25,8 +27,10 @@ std::string packed(const Bytes& bytes);
 /// Little-endian bytes of whole numbers.
 template <class T>
 void append(Bytes& bytes, T value) {
-  for (std::size_t b = 0; b < sizeof(T); ++b) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * b) & 0xff));
+  for (std::size_t b = 0; b < sizeof(T); ++b) bytes.push_back(value >> (8 * b) & 0xff);
 }
+/// Rounded, and kept within what a byte holds.
+inline std::uint8_t byte_of(double value) { return std::clamp(std::round(value), 0.0, 255.0); }
 
 /// Box around every surface, so that all meshes share one scale.
 struct Box {

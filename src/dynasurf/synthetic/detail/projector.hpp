@@ -15,7 +15,7 @@ struct Columns {
   int n = 0;
   std::vector<float> values;
   std::vector<std::uint8_t> is_empty;  // per column
-  explicit Columns(int side) : n(side), values(static_cast<std::size_t>(side) * side * side) {}
+  explicit Columns(int side) : n(side), values(size_of({side, side, side})) {}
 };
 Columns columns_of(const Image& image);
 Image image_of(const Columns& columns, const Grid& grid);

@@ -16,14 +16,15 @@ constexpr std::size_t least_circles = 5;  // a few may be gut or the solid apex
 
 /// Of one slice; 0 when the circle has no bright ring.
 double filling_of(const Image& image, double x, double y, double radius_px, int k) {
-  std::vector<double> sums(static_cast<std::size_t>(std::max(0.0, radius_px - middle_px)) + 2, 0), counts(sums);
+  const int rings = floor_int(std::max(0.0, radius_px - middle_px)) + 2;
+  std::vector<double> sums(rings, 0), counts(sums);
   const int reach = ceil_int(radius_px);
   const int ci = floor_int(x + 0.5), cj = floor_int(y + 0.5);
   for (int j = cj - reach; j <= cj + reach; ++j)
     for (int i = ci - reach; i <= ci + reach; ++i) {
       const double d = own::hypot(i - x, j - y);
       if (d > radius_px || !image.grid.contains(i, j, k)) continue;
-      const std::size_t ring = d <= middle_px ? 0 : 1 + static_cast<std::size_t>(d - middle_px);
+      const int ring = d <= middle_px ? 0 : 1 + floor_int(d - middle_px);
       sums[ring] += image(i, j, k), counts[ring] += 1;
     }
   double brightest = 0;
@@ -43,11 +44,11 @@ double filling(const Image& image, const std::vector<std::optional<Circle>>& loc
 }
 
 double inner_share(const SidedEdges& edges) {
-  const auto pixels = [](const SliceEdges& slices) {
+  const auto pixels = [](const SliceEdges& slices) -> double {
     std::size_t count = 0;
     for (const auto& slice : slices)
       for (const image::Component& c : slice) count += c.pixels.size();
-    return static_cast<double>(count);
+    return count;
   };
   const double inner = pixels(edges.endo), outer = pixels(edges.epi);
   return inner > 0 ? inner / (inner + outer) : 0;

@@ -102,7 +102,7 @@ SliceEdges find_components(const Mask& edges, int min_px) {
   for (int k = 0; k < edges.grid.dims[2]; ++k) {
     auto& slice = found[k];
     slice = image::components_of_slice(edges, k);
-    std::erase_if(slice, [&](const image::Component& c) { return static_cast<int>(c.pixels.size()) < min_px; });
+    std::erase_if(slice, [&](const image::Component& c) { return std::ssize(c.pixels) < min_px; });
   }
   return found;
 }

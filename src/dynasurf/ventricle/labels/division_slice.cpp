@@ -25,7 +25,7 @@ std::vector<double> centre_profile(const Image& image, const Axis& axis) {
 
 int find_division_slice(const std::vector<double>& profile, const std::vector<bool>& has_edges, const DivisionSlice& o,
                         Notes& notes) {
-  const int top = static_cast<int>(profile.size()) - 1;
+  const int top = std::ssize(profile) - 1;
   // A cavity is dark and the muscle of the apex bright: coming from the base, the centre brightens where the cavity
   // ends.
   const auto rise_into = [&](int k) { return profile[k] - profile[k + 1]; };
@@ -62,7 +62,7 @@ int find_division_slice(const std::vector<double>& profile, const std::vector<bo
 std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int lowest_with_cavity, double slice_mm,
                                      double bright) {
   constexpr double reach_mm = 40, cavity_mm = 20, least_prominence = 0.05;
-  const int top = static_cast<int>(profile.size()) - 1;
+  const int top = std::ssize(profile) - 1;
   if (lowest_with_cavity < 0 || lowest_with_cavity > top) return std::nullopt;
   const auto at = [&](int k) { return profile[k]; };
   const int first = std::max(0, lowest_with_cavity - ceil_int(reach_mm / slice_mm));
@@ -78,7 +78,7 @@ std::optional<WallTip> find_wall_tip(const std::vector<double>& profile, int low
   const int above = std::min(top, lowest_with_cavity + ceil_int(cavity_mm / slice_mm));
   const double cavity = *std::min_element(profile.begin() + tip, profile.begin() + above + 1);
   if (at(tip) - cavity < least_prominence) return std::nullopt;
-  if (tip == 0 || tip == top) return WallTip{static_cast<double>(tip), at(tip)};
+  if (tip == 0 || tip == top) return WallTip{1.0 * tip, at(tip)};
 
   const double curvature = at(tip - 1) - 2 * at(tip) + at(tip + 1);
   // The vertex of the parabola through the peak and its neighbours.

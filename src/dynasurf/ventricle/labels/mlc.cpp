@@ -51,7 +51,7 @@ struct Radii {
 
 std::optional<Radii> radii_around(const std::vector<Sorted>& slices, const std::vector<bool>& clear, int k) {
   std::vector<double> endo, epi;
-  const int last = static_cast<int>(slices.size()) - 1;
+  const int last = std::ssize(slices) - 1;
   for (int n = std::max(0, k - neighbour_slices); n <= std::min(last, k + neighbour_slices); ++n) {
     const Sorted& s = slices[n];
     if (!clear[n]) continue;
@@ -98,7 +98,7 @@ struct Gradient {
 };
 
 Gradient sobel(const Image& m, int i, int j, int k) {
-  const auto at = [&](int di, int dj) { return static_cast<double>(m.clamped(i + di, j + dj, k)); };
+  const auto at = [&](int di, int dj) -> double { return m.clamped(i + di, j + dj, k); };
   return {(at(1, -1) + 2 * at(1, 0) + at(1, 1) - at(-1, -1) - 2 * at(-1, 0) - at(-1, 1)) / 8,
           (at(-1, 1) + 2 * at(0, 1) + at(1, 1) - at(-1, -1) - 2 * at(0, -1) - at(1, -1)) / 8};
 }
@@ -178,7 +178,7 @@ std::optional<double> quantile_near(const Rays& border, std::size_t k, const Ray
     for (const Ray& r : border[n])
       if (r.cosine * ray.cosine + r.sine * ray.sine > window_cosine) near.push_back(r.distance);
   if (near.size() < least_rays) return std::nullopt;
-  const auto rank = static_cast<std::size_t>(q * near.size());
+  const std::size_t rank = q * near.size();
   return of_rank(std::move(near), rank);
 }
 

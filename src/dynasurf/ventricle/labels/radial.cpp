@@ -35,7 +35,7 @@ RadialProfile radial_profile(const std::vector<image::Component>& edges, const A
   for (const image::Component& edge : edges)
     for (const image::Pixel& p : edge.pixels) {
       const double d = distance_of(p, edge.slice, axis);
-      const auto ring = static_cast<std::size_t>(d / o.ring_px);
+      const std::size_t ring = d / o.ring_px;
       if (ring >= profile.counts.size()) profile.counts.resize(ring + 1, 0), sums.resize(ring + 1, 0);
       profile.counts[ring] += 1, sums[ring] += d, all += 1;
     }
@@ -72,14 +72,14 @@ Mask label(const LabelScene& scene, const RadialLabels& method, Labels& labels) 
   labels.division_slice = slice_of_change(profiles);
 
   Mask borders(scene.image.grid);
-  for (std::size_t k = 0; k < scene.inside.size(); ++k) {
+  for (int k = 0; k < std::ssize(scene.inside); ++k) {
     const auto& peaks = profiles[k].peaks_px;
-    const bool two = static_cast<int>(k) > labels.division_slice && peaks.size() >= 2;
+    const bool two = k > labels.division_slice && peaks.size() >= 2;
     if (peaks.size() > 2)
       labels.notes.push_back({Severity::warning, "radial.peaks",
                               std::to_string(peaks.size()) + " rings of slice " + std::to_string(k + 1) +
                                   " look like a border; the innermost and the outermost were taken.",
-                              -1, static_cast<int>(k)});
+                              -1, k});
     for (const image::Component& edge : scene.inside[k])
       for (const image::Pixel& p : edge.pixels) {
         const double d = distance_of(p, edge.slice, scene.axis);

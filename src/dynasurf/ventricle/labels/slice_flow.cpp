@@ -17,10 +17,10 @@ field::VectorField slice_flow(const Image& image, const SliceFlow& options) {
   Grid one = image.grid;
   // Alone in its grid a slice has no neighbours above and below: the flow is that of the plane.
   one.dims[2] = 1;
-  const std::ptrdiff_t area = one.size();
-  parallel_for(image.grid.dims[2], 1, [&](std::size_t k, std::size_t) {
+  const Index area = one.size();
+  parallel_for(image.grid.dims[2], 1, [&](Index k, Index) {
     Image slice(one);
-    const std::ptrdiff_t begin = area * static_cast<std::ptrdiff_t>(k);
+    const Index begin = area * k;
     std::copy_n(strength.values.begin() + begin, area, slice.values.begin());
     const field::FlowResult flow =
         field::flow_field(slice, field::Gvf{.mu = options.mu, .iterations = options.iterations});
@@ -33,9 +33,9 @@ field::VectorField slice_flow(const Image& image, const SliceFlow& options) {
 void for_each_line(const Image& image, const field::VectorField& field, int k,
                    const std::function<void(const FieldLine&, double)>& read) {
   const int width = image.grid.dims[0], height = image.grid.dims[1];
-  const auto length_at = [&](std::size_t n) {
+  const auto length_at = [&](std::size_t n) -> float {
     const double x = field.x[n], y = field.y[n];
-    return static_cast<float>(std::sqrt(x * x + y * y));
+    return std::sqrt(x * x + y * y);
   };
   double longest = 0;
   for (int j = 0; j < height; ++j)
@@ -65,11 +65,12 @@ std::vector<std::size_t> meeting_points(const FieldLine& line, double least) {
   const auto& u = line.along;
   for (std::size_t n = 0; n + 1 < u.size(); ++n) {
     if (!(u[n] > 0)) continue;
-    if (u[n + 1] < 0 && static_cast<double>(u[n]) - u[n + 1] > least) {
+    const double along = u[n];
+    if (u[n + 1] < 0 && along - u[n + 1] > least) {
       const float here = u[n], there = -u[n + 1];
       points.push_back(here < there || (here == there && line.value[n] > line.value[n + 1]) ? n : n + 1);
       // A component of exactly 0 between the two is where they meet.
-    } else if (u[n + 1] == 0 && n + 2 < u.size() && u[n + 2] < 0 && static_cast<double>(u[n]) - u[n + 2] > least) {
+    } else if (u[n + 1] == 0 && n + 2 < u.size() && u[n + 2] < 0 && along - u[n + 2] > least) {
       points.push_back(n + 1);
     }
   }

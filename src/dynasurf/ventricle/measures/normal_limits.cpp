@@ -101,7 +101,7 @@ SegmentScores score_segments(SegmentModel model, const PolarGrid& grid, const Po
 }
 
 void set_score(SegmentScores& scores, int segment, int score) {
-  if (segment < 1 || segment > static_cast<int>(scores.score.size()))
+  if (segment < 1 || segment > std::ssize(scores.score))
     throw InputError("segment " + std::to_string(segment) + "; expected 1 to " + std::to_string(scores.score.size()));
   if (score < 0 || score > 4)
     throw InputError("score " + std::to_string(score) + " of segment " + std::to_string(segment) + "; expected 0 to 4");

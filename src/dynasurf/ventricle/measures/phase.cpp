@@ -72,7 +72,7 @@ std::optional<PhaseSummary> summarise_phases(std::span<const std::optional<doubl
   for (const Weighted& v : values) {
     const double difference = std::remainder(v.deg - summary.mean_deg, 360.0);
     squares += v.weight * difference * difference;
-    const auto bin = std::min(static_cast<std::size_t>(v.deg / summary.bin_deg), summary.histogram_percent.size() - 1);
+    const auto bin = std::min<std::size_t>(v.deg / summary.bin_deg, summary.histogram_percent.size() - 1);
     summary.histogram_percent[bin] += 100 * v.weight / with_phase;
   }
   summary.sd_deg = std::sqrt(squares / with_phase);

@@ -12,7 +12,7 @@ std::vector<std::size_t> reference_samples(const PolarValues& values, bool is_up
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return *values[a] > *values[b]; });
   const double from = is_uptake ? 0.15 : 0, to = is_uptake ? 0.35 : 0.05;
   const double count = order.size();
-  const auto first = static_cast<std::ptrdiff_t>(from * count), last = static_cast<std::ptrdiff_t>(to * count);
+  const Index first = from * count, last = to * count;
   return {order.begin() + first, order.begin() + std::max(first + 1, last)};
 }
 

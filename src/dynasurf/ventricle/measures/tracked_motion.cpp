@@ -53,10 +53,11 @@ struct Turn {
 Turn turn_of(const Frame& f, const std::vector<std::size_t>& level, const std::vector<Vec3>& rest,
              const std::vector<Vec3>& now) {
   const auto across = [&](const Vec3& p) -> Vec3 { return p - p.dot(f.up) * f.up; };
+  const double count = level.size();
   Vec3 before = Vec3::Zero(), after = Vec3::Zero();
   for (const std::size_t n : level) {
-    before += across(rest[n]) / static_cast<double>(level.size());
-    after += across(now[n]) / static_cast<double>(level.size());
+    before += across(rest[n]) / count;
+    after += across(now[n]) / count;
   }
   Turn turn;
   double sine = 0, cosine = 0;
@@ -168,7 +169,7 @@ double spacing_of(const std::vector<Vec3>& points) {
 }  // namespace
 
 TrackedMotion measure_motion(const TrackedPoints& points, const LongAxis& axis, int rest_gate) {
-  if (rest_gate < 0 || rest_gate >= static_cast<int>(points.gates.size()))
+  if (rest_gate < 0 || rest_gate >= std::ssize(points.gates))
     throw OptionError("gate " + std::to_string(rest_gate + 1) + " at rest; expected 1 to " +
                       std::to_string(points.gates.size()));
   const std::vector<Vec3>& rest = points.gates[rest_gate];

@@ -90,7 +90,7 @@ PeriodicCurve fit_periodic(std::span<const double> values, int waves) {
   const double n = values.size();
   curve.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
   // Waves sampled evenly over the whole beat are orthogonal, so each is fitted by itself.
-  const int most = (static_cast<int>(values.size()) - 1) / 2;
+  const int most = (std::ssize(values) - 1) / 2;
   for (int k = 1; k <= std::min(waves, most); ++k) {
     double c = 0, s = 0;
     for (std::size_t g = 0; g < values.size(); ++g) {

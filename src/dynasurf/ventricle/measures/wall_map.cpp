@@ -161,7 +161,7 @@ PolarValues on_vertices(const PolarGrid& grid, const PolarValues& values, const 
     const PolarPoint at = axes.polar(vertices[v]);
     const double r = std::clamp(at.rho * grid.rings - 0.5, 0.0, grid.rings - 1.0);
     const double s = at.angle_deg * grid.sectors / 360 - 0.5 + grid.sectors;
-    const int r0 = static_cast<int>(r), s0 = static_cast<int>(s);
+    const int r0 = r, s0 = s;
     double sum = 0, total = 0;
     for (int dr = 0; dr < 2; ++dr)
       for (int ds = 0; ds < 2; ++ds) {

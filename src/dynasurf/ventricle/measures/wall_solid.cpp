@@ -70,8 +70,7 @@ std::optional<Sheets> meet(const mesh::RayBvh (&trees)[2], const HeartAxes& axes
   std::vector<double> middle(size.sectors, 0.0);
   for (int ring = 0; ring <= size.rings; ++ring)
     for (int sector = 0; sector < (ring == 0 ? 1 : size.sectors); ++sector) {
-      const PolarPoint at{std::min(static_cast<double>(ring) / size.rings, 1 - below_lid),
-                          360.0 * sector / size.sectors};
+      const PolarPoint at{std::min(1.0 * ring / size.rings, 1 - below_lid), 360.0 * sector / size.sectors};
       double radii[2] = {0, 0};
       for (int side = 0; side < 2; ++side) {
         // Where the valve plane leans, a ray's height depends on how far out it meets the wall: thrice is enough.

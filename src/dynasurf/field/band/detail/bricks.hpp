@@ -62,7 +62,7 @@ struct Level {
   int number(const Index3& brick) const {
     for (std::size_t a = 0; a < 3; ++a)
       if (brick[a] < 0 || brick[a] >= bricks[a]) return -1;
-    return brick_at[brick[0] + bricks[0] * (brick[1] + bricks[1] * static_cast<std::size_t>(brick[2]))];
+    return brick_at[index_in(bricks, brick)];
   }
 };
 

@@ -56,10 +56,10 @@ struct Level {
   int nx() const { return axis[0].count; }
   int ny() const { return axis[1].count; }
   int nz() const { return axis[2].count; }
-  std::size_t cells() const { return nx() * static_cast<std::size_t>(ny()) * static_cast<std::size_t>(nz()); }
-  std::size_t row_number(int j, int k) const { return j + ny() * static_cast<std::size_t>(k); }
+  std::size_t cells() const { return size_of({nx(), ny(), nz()}); }
+  std::size_t row_number(int j, int k) const { return index_in({1, ny(), nz()}, {0, j, k}); }
   std::size_t row(int j, int k) const { return lanes + stride * row_number(j, k); }
-  std::size_t scalar_row(int j, int k) const { return 2 * static_cast<std::size_t>(slot) * row_number(j, k); }
+  std::size_t scalar_row(int j, int k) const { return 2 * slot * row_number(j, k); }
 
   const float* lane_left(int half) const { return lane_values.data() + half * slot; }
   const float* lane_right(int half) const { return lane_values.data() + (2 + half) * slot; }

@@ -16,10 +16,8 @@ namespace dynasurf::ventricle {
 /// (ring, sector) in the middle of its cell. Ring and sector borders fall on all borders of segments.
 struct PolarGrid {
   int rings = 16, sectors = 48;
-  std::size_t size() const { return rings * static_cast<std::size_t>(sectors); }
-  std::size_t index(int ring, int sector) const {
-    return ring * static_cast<std::size_t>(sectors) + static_cast<std::size_t>(sector);
-  }
+  std::size_t size() const { return size_of({sectors, rings, 1}); }
+  std::size_t index(int ring, int sector) const { return index_in({sectors, rings, 1}, {sector, ring, 0}); }
   PolarPoint point(std::size_t index) const {
     const std::size_t ring = index / sectors;
     const std::size_t sector = index % sectors;
