@@ -1,14 +1,14 @@
 #include "cloud_names.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
+
+#include "dynasurf/core/detail/letters.hpp"
 
 namespace dynasurf::app {
 
 bool ends_as_one_of(const std::filesystem::path& file, std::initializer_list<std::string_view> endings) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = small_letters(file.extension().string());
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 

@@ -11,6 +11,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/error.hpp"
 
 #include "heap.hpp"
@@ -31,9 +32,8 @@ bool write_all(int descriptor, std::string_view text) {
   return true;
 }
 
-/// Characters of UTF-8: all bytes but those that continue one (10xxxxxx).
 std::size_t characters_of(const std::string& text) {
-  return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; });
+  return std::count_if(text.begin(), text.end(), [](char c) { return !continues_character(c); });
 }
 
 bool output_was_closed = false;

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/json_read.hpp"
 
@@ -161,8 +162,7 @@ std::string tsv_cell(std::string_view text) {
 
 std::string cut(std::string_view text, std::size_t most) {
   if (text.size() <= most) return std::string(text);
-  // Bytes 10xxxxxx continue a character: none of them may come first behind the end.
-  while (most > 0 && (text[most] & 0xc0) == 0x80) --most;
+  while (most > 0 && continues_character(text[most])) --most;
   return std::string(text.substr(0, most));
 }
 

@@ -1,9 +1,9 @@
 #include "dynasurf/io/cloud_io.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
@@ -32,8 +32,7 @@ constexpr Format known_formats[] = {
     {".ptx", "PTX", Kind::ptx}};
 
 const Format& format_of(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = small_letters(path.extension().string());
   for (const Format& format : known_formats)
     if (format.ending == ending) return format;
   if (ending == ".laz")

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/dicom_stacking.hpp"
 #include "dynasurf/io/detail/dicom_words.hpp"
@@ -71,12 +72,6 @@ std::string list_of(const std::vector<DicomImage>& images, const std::vector<Dic
   return text;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
-  return text;
-}
-
 /// The stacks that the user may mean by `series`.
 std::vector<std::size_t> named_by(const std::string& series, const std::vector<DicomImage>& images,
                                   const std::vector<DicomStack>& stacks) {
@@ -86,7 +81,7 @@ std::vector<std::size_t> named_by(const std::string& series, const std::vector<D
     const DicomImage& image = image_of(images, stacks[n]);
     if (image.series == series) by_uid.push_back(n);
     if (numbers[n] == series) by_number.push_back(n);
-    if (lower(image.series_description).find(lower(series)) != std::string::npos) by_words.push_back(n);
+    if (small_letters(image.series_description).find(small_letters(series)) != std::string::npos) by_words.push_back(n);
   }
   return !by_uid.empty() ? by_uid : !by_number.empty() ? by_number : by_words;
 }

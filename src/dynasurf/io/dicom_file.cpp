@@ -369,16 +369,6 @@ const std::string& DicomImage::kind() const {
   return image_type.size() > 2 ? image_type[2] : none;
 }
 
-DicomLook dicom_look_of(const std::filesystem::path& path) {
-  const std::string head = first_bytes(path, 132);
-  if (head.size() == 132 && head.compare(128, 4, "DICM") == 0) return DicomLook::preamble;
-  if (head.size() < 8) return DicomLook::none;
-  const auto at = [&](std::size_t n) { return static_cast<unsigned char>(head[n]); };
-  // The first element of a file without preamble belongs to group 2 or 8, and its group is a number of two bytes.
-  const bool little = at(1) == 0 && (at(0) == 2 || at(0) == 8), big = at(0) == 0 && (at(1) == 2 || at(1) == 8);
-  return little || big ? DicomLook::bare : DicomLook::none;
-}
-
 DicomImage read_dicom_header(const std::filesystem::path& path) {
   const LoadedFile file = load(path);
   const Attributes root(*file.dataset, path.string());

@@ -5,9 +5,11 @@
 #include <tuple>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_group.hpp"
+#include "dynasurf/io/detail/dicom_look.hpp"
 #include "dynasurf/io/detail/dicom_stacking.hpp"
 #include "dynasurf/io/detail/digest.hpp"
 #include "dynasurf/io/detail/formats.hpp"
@@ -56,7 +58,7 @@ Plan plan_of_folder(const fs::path& folder, const std::string& series) {
   std::size_t others = 0, unusable = 0;
   std::string first_reason;
   for (const fs::path& file : files_below(folder)) {
-    const DicomLook look = dicom_look_of(file);
+    const DicomLook look = dicom_look_of(first_bytes(file, 132));
     if (look == DicomLook::none) {
       ++others;
       continue;

@@ -4,9 +4,11 @@
 #include <set>
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/byte_source.hpp"
 #include "dynasurf/io/detail/dicom_choice.hpp"
 #include "dynasurf/io/detail/dicom_file.hpp"
 #include "dynasurf/io/detail/dicom_group.hpp"
+#include "dynasurf/io/detail/dicom_look.hpp"
 #include "dynasurf/io/detail/dicom_stacking.hpp"
 
 namespace dynasurf::io {
@@ -25,7 +27,7 @@ std::string without_name(const std::string& message, const fs::path& file) {
 
 /// Files of one examination, by its UID; those without one belong together by their folder.
 void sort_in(const fs::path& file, std::map<std::string, Images>& examinations, StudySearch& found) {
-  const DicomLook look = dicom_look_of(file);
+  const DicomLook look = dicom_look_of(first_bytes(file, 132));
   const auto leave_out = [&](const std::string& reason) { found.left_out.push_back({file, reason}); };
   if (look == DicomLook::none) return leave_out(no_format);
   try {

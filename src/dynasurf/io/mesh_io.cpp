@@ -4,6 +4,7 @@
 #include <cctype>
 #include <set>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/atomic_file.hpp"
@@ -51,8 +52,7 @@ void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshForm
 }
 
 TriMesh read_mesh(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string ending = small_letters(path.extension().string());
   TriMesh (*decode)(const MeshFile&) = nullptr;
   if (ending == ".ply") decode = decode_ply;
   if (ending == ".stl") decode = decode_stl;

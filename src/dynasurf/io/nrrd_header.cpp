@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
 
@@ -20,7 +21,7 @@ void read_line(NrrdHeader& header, const std::string& line) {
   const bool is_key = colon + 1 < line.size() && line[colon + 1] == '=';
   std::string name = line.substr(0, colon);
   if (!is_key) {
-    name = lower(name);
+    name = small_letters(name);
     std::erase(name, ' ');
   }
   header.data_file_is_last = !is_key && name == "datafile";
@@ -44,12 +45,6 @@ void require_end(const NrrdHeader& header, const std::string& line) {
 }
 
 }  // namespace
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r");

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/nrrd_header.hpp"
@@ -54,7 +55,7 @@ SampleType sample_type(const NrrdHeader& header) {
                                                           {"uint64_t", SampleType::uint64},
                                                           {"float", SampleType::float32},
                                                           {"double", SampleType::float64}};
-  std::string name = lower(header.need("type"));
+  std::string name = small_letters(header.need("type"));
   std::erase(name, ' ');
   const auto it = types.find(name);
   if (it == types.end()) header.refuse("type", "a type of integer or real number");
@@ -65,7 +66,7 @@ SampleLayout layout_of(const NrrdHeader& header) {
   SampleLayout layout;
   layout.type = sample_type(header);
   if (bytes_of(layout.type) > 1) {
-    const std::string endian = lower(header.need("endian"));
+    const std::string endian = small_letters(header.need("endian"));
     if (endian != "little" && endian != "big") header.refuse("endian", "little or big");
     layout.big_endian = endian == "big";
   }
@@ -73,7 +74,7 @@ SampleLayout layout_of(const NrrdHeader& header) {
 }
 
 ByteSource::Packing packing_of(const NrrdHeader& header) {
-  const std::string encoding = lower(header.need("encoding"));
+  const std::string encoding = small_letters(header.need("encoding"));
   if (encoding == "raw") return ByteSource::Packing::plain;
   if (encoding != "gzip" && encoding != "gz")
     header.refuse("encoding", "raw or gzip (convert it with: unu save -f nrrd -e gzip)");
@@ -124,7 +125,7 @@ Axes axes_of(const NrrdHeader& header) {
       const auto vectors = direction_words(*directions);
       if (vectors.size() == 4 && vectors[0] == "none" && vectors[3] != "none") axes.list_axis = 0;
     } else if (const auto kinds = header.find("kinds")) {
-      const auto names = words(lower(*kinds));
+      const auto names = words(small_letters(*kinds));
       if (!names.empty() && (names[0] == "list" || names[0] == "time")) axes.list_axis = 0;
     }
   }
@@ -138,7 +139,7 @@ Axes axes_of(const NrrdHeader& header) {
   for (std::size_t a = 0; a < 3; ++a) axes.dims[a] = extent[a];
   axes.gates = extent[3];
   if (const auto kinds = header.find("kinds")) {
-    const auto names = words(lower(*kinds));
+    const auto names = words(small_letters(*kinds));
     if (names.size() != rank) header.refuse("kinds", "one word per axis");
     for (std::size_t a = 0; a < rank; ++a) {
       const bool listed = static_cast<int>(a) == axes.list_axis;
@@ -152,7 +153,7 @@ Axes axes_of(const NrrdHeader& header) {
 }
 
 Vec3 to_lps_of(const NrrdHeader& header) {
-  const std::string space = lower(header.need("space"));
+  const std::string space = small_letters(header.need("space"));
   if (space == "left-posterior-superior" || space == "lps") return {1, 1, 1};
   if (space == "right-anterior-superior" || space == "ras") return {-1, -1, 1};
   if (space == "left-anterior-superior" || space == "las") return {1, -1, 1};

@@ -72,7 +72,7 @@ Columns named_columns(const TextReader& text, char separator) {
   found.fill(absent);
   for (std::size_t i = 0; i < names.size(); ++i)
     for (std::size_t k = 0; k < known.size(); ++k)
-      if (std::find(known[k].begin(), known[k].end(), lower_case(names[i])) != known[k].end()) {
+      if (std::find(known[k].begin(), known[k].end(), column_name(names[i])) != known[k].end()) {
         if (found[k] != absent) text.fail("column " + quoted(names[i]) + " is there twice");
         found[k] = i;
       }

@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/byte_source.hpp"
+#include "dynasurf/io/detail/dicom_look.hpp"
 #include "dynasurf/io/detail/formats.hpp"
 #include "dynasurf/io/detail/nifti_format.hpp"
 #include "dynasurf/io/detail/study_mend.hpp"
@@ -22,18 +23,13 @@ bool looks_like_nifti(const std::string& head) {
   return head.size() >= 4 && (std::memcmp(head.data(), little, 4) == 0 || std::memcmp(head.data(), big, 4) == 0);
 }
 
-/// DICOM without its preamble starts with an element of group 0002 or 0008, in either byte order.
-bool looks_like_bare_dicom(const std::string& head) {
-  const auto at = [&](std::size_t n) { return static_cast<unsigned char>(head[n]); };
-  return head.size() >= 8 && ((at(1) == 0 && (at(0) == 2 || at(0) == 8)) || (at(0) == 0 && (at(1) == 2 || at(1) == 8)));
-}
-
 /// By the content alone: names of medical files tell little. What is packed by gzip is looked into.
 Format format_of(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return Format::dicom;
   const std::string head = first_bytes(path, 132);
-  if (head.size() == 132 && head.compare(128, 4, "DICM") == 0) return Format::dicom;
+  const DicomLook look = dicom_look_of(head);
+  if (look == DicomLook::preamble) return Format::dicom;
   if (head.compare(0, 4, "NRRD") == 0) {
     if (is_gzip_file(path))
       throw InputError(path.string() + ": is a NRRD file packed as a whole; unpack it with gunzip first");
@@ -43,7 +39,7 @@ Format format_of(const fs::path& path) {
   if (head.compare(0, 4, std::string("\x1c\x02\0\0", 4)) == 0 ||
       head.compare(0, 4, std::string("\0\0\x02\x1c", 4)) == 0)
     throw InputError(path.string() + ": is NIfTI-2; expected NIfTI-1, DICOM or NRRD");
-  if (looks_like_bare_dicom(head)) return Format::dicom;
+  if (look == DicomLook::bare) return Format::dicom;
   throw InputError(path.string() +
                    (size_of_file(path) == 0 ? ": is empty" : ": is not a heart study that can be read") +
                    "; expected DICOM, NIfTI or NRRD");

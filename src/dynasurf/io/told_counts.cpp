@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/io/detail/text_cells.hpp"
 
 namespace dynasurf::io::detail {
@@ -13,9 +14,9 @@ constexpr std::size_t longest_comment = 200;  // that can be a count
 /// Words of small letters and numbers; what stands between them only parts them.
 std::vector<std::string> words_of(std::string_view comment) {
   std::vector<std::string> words(1);
-  for (const unsigned char c : comment.substr(0, longest_comment)) {
+  for (const char c : comment.substr(0, longest_comment)) {
     const bool parts = is_blank(c) || c == '#' || c == '/' || c == ':' || c == '=' || c == ',';
-    if (!parts) words.back() += static_cast<char>(std::tolower(c));
+    if (!parts) words.back() += small_letter(c);
     if (parts && !words.back().empty()) words.emplace_back();
   }
   if (words.back().empty()) words.pop_back();

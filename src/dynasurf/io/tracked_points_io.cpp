@@ -33,7 +33,7 @@ Columns columns_of(const TextReader& text) {
   columns.count = names.size();
   for (std::size_t n = 0; n < names.size(); ++n)
     for (std::size_t k = 0; k < known.size(); ++k) {
-      const std::string name = detail::lower_case(names[n]);
+      const std::string name = detail::column_name(names[n]);
       if (name != known[k][0] && name != known[k][1]) continue;
       if (columns.at[k] != absent) text.fail("column " + detail::quoted(names[n]) + " is there twice");
       columns.at[k] = n;

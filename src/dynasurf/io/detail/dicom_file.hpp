@@ -65,10 +65,6 @@ struct DicomImage {
   const std::string& kind() const;  // value 3 of ImageType, "" when absent
 };
 
-/// Whether a file starts like DICOM: with its preamble, or bare with an element of group 0002 or 0008.
-enum class DicomLook { none, bare, preamble };
-DicomLook dicom_look_of(const std::filesystem::path& path);
-
 /// Reads the header of one file. Throws InputError for a file that is cut off, packed in a way that is not read (with
 /// the way to convert it), above the limits of an outline, or that contradicts itself; IoError when it cannot be
 /// opened.

@@ -50,8 +50,6 @@ T number_of(const NrrdHeader& header, const std::string& field, std::string_view
 
 /// Without blanks at both ends.
 std::string trimmed(const std::string& text);
-/// In small letters (ASCII).
-std::string lower(std::string text);
 /// The words between blanks.
 std::vector<std::string> words(const std::string& text);
 /// The entries of a list of quoted words: "mm" "mm" "".

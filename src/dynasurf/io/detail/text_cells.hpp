@@ -1,10 +1,10 @@
 #pragma once
-#include <cctype>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "dynasurf/core/detail/letters.hpp"
 #include "dynasurf/io/detail/text_reader.hpp"
 
 // Rows of cells in text files: what clouds and tables of points share.
@@ -68,10 +68,10 @@ inline bool next_row(TextReader& text) {
 }
 
 /// The name of a column as it is compared: in small letters, without quotes.
-inline std::string lower_case(std::string_view name) {
+inline std::string column_name(std::string_view name) {
   std::string out;
-  for (const unsigned char c : name)
-    if (c != '"' && c != '\'') out += static_cast<char>(std::tolower(c));
+  for (const char c : name)
+    if (c != '"' && c != '\'') out += small_letter(c);
   return out;
 }
 
