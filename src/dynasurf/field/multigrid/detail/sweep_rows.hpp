@@ -1,10 +1,9 @@
+#pragma once
 #include <algorithm>
 
 #include "dynasurf/field/multigrid/detail/view.hpp"
 
 namespace dynasurf::field::multigrid {
-
-namespace {
 
 /// Sum of all lanes, in an order that does not depend on the machine.
 template <class V>
@@ -184,90 +183,7 @@ DYNASURF_INLINE void sweep_in_tiles(const View& v, int k0, int k1, int j0, int j
   for (const auto& r : rest) sweep_rows<V, start, finest>(v, r[0], r[1], r[2], r[3], colour, measure);
 }
 
-/// On the finest level, with the sums of squares of what it changed and left in the first of its rows.
-template <class V>
-DYNASURF_INLINE void sweep_measured(Level& l, int k0, int k1, int j0, int j1, int colour) {
-  Measure<V> measure;
-  sweep_in_tiles<V, Start::measured, true>(View(l), k0, k1, j0, j1, colour, measure);
-  for (int k = k0; k < k1; ++k) {
-    const std::size_t row = l.row_number(j0, k), count = j1 - j0;
-    std::fill_n(l.change.begin() + row, count, 0.0);
-    std::fill_n(l.size.begin() + row, count, 0.0);
-  }
-  l.change[l.row_number(j0, k0)] = sum_of(measure.change);
-  l.size[l.row_number(j0, k0)] = sum_of(measure.size);
-}
-
-template <class V>
-DYNASURF_INLINE void sweep_near_data(const Level& l, int k0, int k1, int j0, int j1, int colour) {
-  const View v(l);
-  Measure<V> measure;
-  with_usual_slot<V>(v.slot, [&](auto slot) DYNASURF_INLINE_LAMBDA {
-    View known = v;
-    if (slot > 0) known.slot = slot, known.stride = 6 * slot;
-    sweep_rows<V, Start::near_data, true>(known, k0, k1, j0, j1, colour, measure);
-  });
-}
-
-void sweep_finest(Level& l, int k0, int k1, int j0, int j1, int colour, Start start) {
-  if (start == Start::warm)
-    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA {
-      Measure<V> unused;
-      sweep_in_tiles<V, Start::warm, true>(View(l), k0, k1, j0, j1, colour, unused);
-    });
-  else if (start == Start::near_data)
-    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA { sweep_near_data<V>(l, k0, k1, j0, j1, colour); });
-  else
-    with_whole_vectors([&]<class V>() DYNASURF_INLINE_LAMBDA { sweep_measured<V>(l, k0, k1, j0, j1, colour); });
-}
-
-template <Start start>
-void sweep_coarse(const Level& l, int k0, int k1, int j0, int j1, int colour) {
-  with_vectors_for(l, [&]<class V>() DYNASURF_INLINE_LAMBDA {
-    Measure<V> unused;
-    if constexpr (start == Start::warm)
-      sweep_in_tiles<V, start, false>(View(l), k0, k1, j0, j1, colour, unused);
-    else
-      sweep_rows<V, start, false>(View(l), k0, k1, j0, j1, colour, unused);
-  });
-}
-
-template <class V>
-DYNASURF_INLINE void add_operator_with(Level& l, float stretch, int k0, int k1, int j0, int j1) {
-  const View v(l);
-  for (int k = k0; k < k1; ++k)
-    for (int j = j0; j < j1; ++j)
-      for (int half : {0, 1}) {
-        const Row r = row_of(v, j, k, half);
-        const Rates rates = rates_of<false>(v, j, k);
-        const float* towards_far = half == 0 ? v.lane_left(0) : v.lane_right(1);
-        const float* towards_near = half == 0 ? v.lane_right(0) : v.lane_left(1);
-        float* rhs = v.rhs + v.row(j, k) + half * v.slot;
-        const float* b = v.b + v.scalar_row(j, k) + half * v.slot;
-        for (int m = 0; m < end_of<V>(v.slot); m += V::count)
-          for (int c = 0; c < 3; ++c) {
-            const std::ptrdiff_t at = 2 * c * v.slot + m;
-            const V u = load<V>(r.own + at);
-            const V x = load<V>(towards_far + m) * (u - load<V>(r.far + at)) +
-                        load<V>(towards_near + m) * (u - load<V>(r.near + at));
-            const V y = rates.ym * (u - load<V>(r.ym + at)) + rates.yp * (u - load<V>(r.yp + at));
-            const V z = rates.zm * (u - load<V>(r.zm + at)) + rates.zp * (u - load<V>(r.zp + at));
-            store(rhs + at, stretch * load<V>(rhs + at) + (load<V>(b + m) * u + (x + (y + z))));
-          }
-      }
-}
-
-}  // namespace
-
-void sweep(Level& level, int k0, int k1, int j0, int j1, int colour, Start start) {
-  if (level.finest) return sweep_finest(level, k0, k1, j0, j1, colour, start);
-  if (start == Start::warm) return sweep_coarse<Start::warm>(level, k0, k1, j0, j1, colour);
-  sweep_coarse<Start::from_rhs>(level, k0, k1, j0, j1, colour);
-}
-
-void add_operator(Level& coarse, float stretch, int k0, int k1, int j0, int j1) {
-  detail::with_native_vectors(
-      [&]<int native>() DYNASURF_INLINE_LAMBDA { add_operator_with<Floats<native>>(coarse, stretch, k0, k1, j0, j1); });
-}
+/// `sweep` of the finest level, compiled apart: the copies for each kind of processor take long.
+void sweep_finest(Level& l, int k0, int k1, int j0, int j1, int colour, Start start);
 
 }  // namespace dynasurf::field::multigrid
