@@ -1,7 +1,10 @@
 #include "dynasurf/core/grid.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
 namespace dynasurf {
@@ -31,6 +34,37 @@ TEST(Grid, CellReachesHalfAVoxelToEachSide) {
   const Grid g = oblique_left_handed_grid();
   EXPECT_EQ(voxel_of(g, {0.99, -1.49, 2.49}), (Index3{0, 0, 0}));
   EXPECT_EQ(voxel_of(g, {1.01, -1.51, 2.51}), (Index3{1, -1, 1}));
+}
+
+TEST(Grid, CountsVoxelsInTheOrderOfMemory) {
+  const Grid g = oblique_left_handed_grid();
+  std::size_t n = 0;
+  for (int k = 0; k < 6; ++k)
+    for (int j = 0; j < 5; ++j)
+      for (int i = 0; i < 4; ++i, ++n) {
+        EXPECT_EQ(index_in(g.dims, {i, j, k}), n);
+        EXPECT_EQ(voxel_in(g.dims, n), (Index3{i, j, k}));
+      }
+  EXPECT_EQ(size_of(g.dims), n);
+  EXPECT_EQ(g.slice_size(), 20U);
+}
+
+TEST(Grid, CountsMoreVoxelsThanAnIntHolds) {
+  if (sizeof(std::size_t) < 8) GTEST_SKIP() << "sizes have 32 bits";
+  const Index3 large{2000, 2000, 2000};
+  EXPECT_EQ(size_of(large), 8'000'000'000ULL);
+  EXPECT_EQ(index_in(large, {1999, 1999, 1999}), 7'999'999'999ULL);
+  EXPECT_EQ(voxel_in(large, 7'999'999'999ULL), (Index3{1999, 1999, 1999}));
+}
+
+TEST(Grid, KeepsFarPlacesWithinABox) {
+  constexpr double far = 1e300;
+  EXPECT_EQ(whole_within(2.9, 4), 2);
+  EXPECT_EQ(whole_within(4, 4), 3);
+  EXPECT_EQ(whole_within(far, 4), 3);
+  EXPECT_EQ(whole_within(-far, 4), 0);
+  EXPECT_EQ(whole_within(-0.5, 4), 0);
+  EXPECT_EQ(whole_within(std::numeric_limits<double>::quiet_NaN(), 4), 0);
 }
 
 TEST(TriMesh, KeepsItsOutsideOutsideOnALeftHandedGrid) {
