@@ -38,13 +38,6 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-std::vector<Eigen::VectorXd> numbers_of_gates(const BeatLayout& layout, const Eigen::VectorXd& unknowns) {
-  std::vector<Eigen::VectorXd> numbers;
-  numbers.reserve(layout.gates);
-  for (int g = 0; g < layout.gates; ++g) numbers.push_back(layout.at_gate(g, unknowns));
-  return numbers;
-}
-
 /// The width of the point spread is the same in all gates.
 PsfProjector camera_of(const BeatProblem& problem, const std::vector<Eigen::VectorXd>& gates) {
   return make_camera(problem.cells.lattice, problem.pixels, point_spread(problem, gates.front()), problem.filtered);
@@ -97,7 +90,7 @@ Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unk
   const BeatLayout& layout = problem.layout;
   const std::size_t gates = layout.gates;
   Objective result;
-  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  const std::vector<Eigen::VectorXd> numbers = layout.at_gates(unknowns);
   if (!is_within_reach(layout, numbers.front())) {
     result.value = std::numeric_limits<double>::infinity();
     return result;
@@ -128,7 +121,7 @@ Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::Vect
   const BeatLayout& layout = problem.layout;
   const GateLayout& places = layout.gate;
   const std::size_t gates = layout.gates;
-  const std::vector<Eigen::VectorXd> numbers = numbers_of_gates(layout, unknowns);
+  const std::vector<Eigen::VectorXd> numbers = layout.at_gates(unknowns);
   const PsfProjector camera = camera_of(problem, numbers);
   const WallCycle cycle = wall_cycle(problem, at.activity);
   const Eigen::VectorXd by_wall = cycle.by_volume.transpose() * cycle.deviation;
@@ -204,7 +197,7 @@ Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& 
   }
   const Eigen::MatrixXd deviations = product(walls, wall_cycle(problem, at.activity).by_volume.transpose());
   matrix += product(deviations, deviations.transpose());
-  for (const WallTerm& term : wall_terms(problem, numbers_of_gates(layout, unknowns))) {
+  for (const WallTerm& term : wall_terms(problem, layout.at_gates(unknowns))) {
     Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
     layout.add_gradient(term.gate, term.by_number, column);
     matrix += column * column.transpose();

@@ -125,6 +125,12 @@ Eigen::VectorXd BeatLayout::at_gate(int g, const Eigen::VectorXd& of_beat) const
   return numbers;
 }
 
+std::vector<Eigen::VectorXd> BeatLayout::at_gates(const Eigen::VectorXd& of_beat) const {
+  std::vector<Eigen::VectorXd> numbers(gates);
+  for (int g = 0; g < gates; ++g) numbers[g] = at_gate(g, of_beat);
+  return numbers;
+}
+
 void BeatLayout::add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::VectorXd& of_beat) const {
   for (int i = 0; i < gate.count(); ++i)
     for (const Term& t : terms[g][i]) of_beat[t.unknown] += t.factor * of_gate[i];

@@ -100,9 +100,11 @@ void tell_given_thickness(const BeatProblem& problem, const WallTerm& fitted, Fi
 
 WallPosterior::WallPosterior(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Grid& grid,
                              const Cholesky& factor)
-    : layout_(problem.layout), frame_(problem.cells.frame), grid_(grid), factor_(factor) {
-  for (int g = 0; g < layout_.gates; ++g) gates_.push_back(layout_.at_gate(g, unknowns));
-}
+    : layout_(problem.layout),
+      frame_(problem.cells.frame),
+      grid_(grid),
+      gates_(layout_.at_gates(unknowns)),
+      factor_(factor) {}
 
 Eigen::MatrixXd WallPosterior::no_gradient(Eigen::Index numbers) const {
   return Eigen::MatrixXd::Zero(layout_.unknowns, numbers);
@@ -147,9 +149,7 @@ void tell_belief_from_data(const BeatProblem& problem, const Solution& solution,
   const ThicknessPrior& prior = problem.thickness;
   if (!prior.is_given) tell_thin_wall(problem, solution, beat);
   if (prior.harmonics.rows() > 0) {
-    std::vector<Eigen::VectorXd> gates;
-    for (int g = 0; g < problem.layout.gates; ++g) gates.push_back(problem.layout.at_gate(g, solution.unknowns));
-    const WallTerm fitted = wall_terms(problem, gates).front();
+    const WallTerm fitted = wall_terms(problem, problem.layout.at_gates(solution.unknowns)).front();
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(problem.layout.unknowns);
     problem.layout.add_gradient(prior.gate, fitted.by_number, gradient);
     const double share = share_of_data(factor.half_norm(gradient), 1);

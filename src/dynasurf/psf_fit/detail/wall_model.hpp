@@ -58,6 +58,7 @@ struct BeatLayout {
   Eigen::VectorXd expected, spread;                   // prior of each unknown: mean and standard deviation
 
   Eigen::VectorXd at_gate(int g, const Eigen::VectorXd& unknowns_of_beat) const;
+  std::vector<Eigen::VectorXd> at_gates(const Eigen::VectorXd& unknowns_of_beat) const;
   void add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::VectorXd& of_beat) const;
   /// Of all gates, to the lower triangle.
   void add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen::MatrixXd& of_beat) const;
