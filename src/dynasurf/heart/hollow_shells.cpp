@@ -39,7 +39,7 @@ Padded pad(const Image& image, int room) {
 /// Where the points of a shell and those beside it lie in a padded image, from its middle.
 struct Shell {
   double radius_mm = 0;
-  std::array<std::array<std::ptrdiff_t, 3>, directions> offsets{};  // inside, wall, outside per direction
+  std::array<std::array<Index, 3>, directions> offsets{};  // inside, wall, outside per direction
 };
 
 Shell make_shell(double radius, const Grid& padded) {

@@ -1,14 +1,11 @@
 #include "dynasurf/show/detail/palette.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+
+#include "dynasurf/core/detail/rounding.hpp"
 
 namespace dynasurf::show {
-namespace {
-
-std::uint8_t byte_of(double value) { return std::lround(std::clamp(value, 0.0, 255.0)); }
-
-}  // namespace
 
 io::Colour viridis(double value) {
   static constexpr std::array<io::Colour, 9> stops{{{68, 1, 84},

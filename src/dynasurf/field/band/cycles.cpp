@@ -52,12 +52,12 @@ void run_in_layers(const Level& l, std::initializer_list<Stage> stages) {
 /// of the grid, the brick's own, where any finite value will do because nothing flows there.
 struct Around {
   const float* own;
-  std::array<const float*, faces> beyond;        // first cell of the layer
-  std::array<std::ptrdiff_t, faces> row, slice;  // steps from there along j and k; 0 along the face's own axis
+  std::array<const float*, faces> beyond;  // first cell of the layer
+  std::array<Index, faces> row, slice;     // steps from there along j and k; 0 along the face's own axis
 
   DYNASURF_INLINE Around(const Level& l, std::size_t n, const std::array<int, faces>& next, std::size_t c)
       : own(l.u[n][c].data()) {
-    constexpr std::ptrdiff_t step[3] = {1, side, side * side};
+    constexpr Index step[3] = {1, side, side * side};
     for (std::size_t f = 0; f < faces; ++f) {
       const std::size_t axis = f / 2;
       const bool after = f % 2 == 1;

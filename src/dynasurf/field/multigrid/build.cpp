@@ -262,7 +262,7 @@ DYNASURF_INLINE void fill_blocks(Level& l, const Image& map, int k, std::int32_t
       }
       for (int half : {0, 1}) {
         const std::int32_t number = block_of[half * chunks + m] += first;
-        float* data = l.blocks.data() + block_size * static_cast<std::ptrdiff_t>(number);
+        float* data = l.blocks.data() + block_size * static_cast<Index>(number);
         const V gx = x.half[half], gy = y.half[half], gz = z.half[half];
         const V b = data_term(gx * gx + gy * gy + gz * gz, term);
         const V diagonal = b + (load<V>(l.lane_diagonal(half) + lanes * m) + yz);

@@ -8,12 +8,12 @@ namespace {
 /// A row of the finest level and where its neighbours are: what coarsening asks for again and again.
 struct DataRow {
   const std::int32_t* numbers;           // of the blocks: two halves
-  std::ptrdiff_t ym, yp, zm, zp;         // from those to the neighbours'; beyond a wall is the row itself
+  Index ym, yp, zm, zp;                  // from those to the neighbours'; beyond a wall is the row itself
   float yz, yz_ym, yz_yp, yz_zm, yz_zp;  // D without the part along i
   Rates rates;
 };
 DYNASURF_INLINE DataRow data_row(const View& l, int j, int k) {
-  const std::ptrdiff_t row = 2 * (l.slot / lanes), slice = row * l.ny;
+  const Index row = 2 * (l.slot / lanes), slice = row * l.ny;
   const bool ym = j > 0, yp = j + 1 < l.ny, zm = k > 0, zp = k + 1 < l.nz;
   return {l.blocks_of(j, k, 0),
           ym ? -row : 0,
@@ -73,7 +73,7 @@ DYNASURF_INLINE void add_data(const View& l, int j, int k, const DataRow& r, int
     if (number < 0) return;
     data = l.block(number);
   }
-  const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
+  const Index scalars = l.scalar_row(j, k) + half * l.slot + m;
   const float yz = finest ? r.yz : l.yz_diagonal(j, k);
   const V d = load<V>(finest ? data : l.d + scalars), b = load<V>(finest ? data + 16 : l.b + scalars);
   const V part = area * load<V>(l.lane_share(half) + m), s = (load<V>(l.lane_diagonal(half) + m) + yz) * d;

@@ -24,7 +24,7 @@ DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float
     const std::int32_t number = finest ? l.blocks_of(j, k, half)[m / lanes] : 0;
     const float* data = finest ? l.block(std::max(number, 0)) : nullptr;
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t at = 2 * c * l.slot + m;
+      const Index at = 2 * c * l.slot + m;
       const Around<V> n = around<V>(r, at);
       const V step = n.near - load<V>(r.own + at);
       V flow = inflow<finest>(n, kx, rates);
@@ -35,7 +35,7 @@ DYNASURF_INLINE void add_residual(const View& l, int j, int k, float area, float
           flow = spread * (step + load<V>(data) * (load<V>(data + 16) * (load<V>(data + 32 + 16 * c) - n.near) + flow));
       } else {
         const float* rhs = l.rhs + l.row(j, k) + half * l.slot;
-        const std::ptrdiff_t scalars = l.scalar_row(j, k) + half * l.slot + m;
+        const Index scalars = l.scalar_row(j, k) + half * l.slot + m;
         flow =
             spread * (step + load<V>(l.d + scalars) * ((load<V>(rhs + at) - load<V>(l.b + scalars) * n.near) + flow));
       }
@@ -59,7 +59,7 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
   const Tile<V, first, usual_slot> t(l, j, k);
   const bool together = sum[0] == sum[1];
   const int chunks = static_cast<int>(t.slot) / lanes;
-  const std::ptrdiff_t scalars = 2 * t.slot * l.row_number(j, k), slice = 2 * t.slot * l.ny;
+  const Index scalars = 2 * t.slot * l.row_number(j, k), slice = 2 * t.slot * l.ny;
   const float *rhs0 = l.rhs + lanes + 3 * scalars, *rhs1 = rhs0 + 3 * slice;
   const float *b0 = l.b + scalars, *b1 = b0 + slice, *d0 = l.d + scalars, *d1 = d0 + slice;
   // In an array: gcc 12 takes a wrong element of `(r < 2 ? p : q)[i / lanes]` where it looks for undefined behaviour.
@@ -83,7 +83,7 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
         if (number >= 0) data[r] = l.block(number);
       }
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t at = 2 * c * t.slot + m;
+      const Index at = 2 * c * t.slot + m;
       V passed[2] = {};
       t.each_row(at, [&](auto r, const Around<V>& n) DYNASURF_INLINE_LAMBDA {
         constexpr int half = t.half(r);
@@ -96,14 +96,14 @@ DYNASURF_INLINE void sum_residuals(const View& l, int j, int k, float* const (&s
             flow = spread * (step + load<V>(data[r]) *
                                         (load<V>(data[r] + 16) * (load<V>(data[r] + 32 + 16 * c) - n.near) + flow));
         } else {
-          const std::ptrdiff_t scalar = (r % 2 * 2 + half) * t.slot + m;
+          const Index scalar = (r % 2 * 2 + half) * t.slot + m;
           const V rhs = load<V>((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + half) * t.slot + at);
           const V b = load<V>((r < 2 ? b0 : b1) + scalar), dm = load<V>((r < 2 ? d0 : d1) + scalar);
           flow = spread * (step + dm * ((rhs - b * n.near) + flow));
         }
         passed[r / 2] += (area[r] * share[half]) * flow;
       });
-      const std::ptrdiff_t to = c * sum_step + m;
+      const Index to = c * sum_step + m;
       store(sum[0] + to, together ? passed[0] + passed[1] : passed[0]);
       if (!together) store(sum[1] + to, passed[1]);
     }

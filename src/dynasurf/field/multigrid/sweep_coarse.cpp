@@ -28,7 +28,7 @@ DYNASURF_INLINE void add_operator_with(Level& l, float stretch, int k0, int k1, 
         const float* b = v.b + v.scalar_row(j, k) + half * v.slot;
         for (int m = 0; m < end_of<V>(v.slot); m += V::count)
           for (int c = 0; c < 3; ++c) {
-            const std::ptrdiff_t at = 2 * c * v.slot + m;
+            const Index at = 2 * c * v.slot + m;
             const V u = load<V>(r.own + at);
             const V x = load<V>(towards_far + m) * (u - load<V>(r.far + at)) +
                         load<V>(towards_near + m) * (u - load<V>(r.near + at));

@@ -45,8 +45,8 @@ class LinearSampler {
   double operator()(const Vec3& mm) const {
     const PlaceOnAxis x = place_on(x_, mm[0]), y = place_on(y_, mm[1]), z = place_on(z_, mm[2]);
     const float* const v = values_ + x.low + y.low * row_ + z.low * slice_;
-    const auto along_x = [&](std::ptrdiff_t at) { return v[at] + x.share * (v[at + next_x_] - v[at]); };
-    const auto along_y = [&](std::ptrdiff_t at) {
+    const auto along_x = [&](Index at) { return v[at] + x.share * (v[at + next_x_] - v[at]); };
+    const auto along_y = [&](Index at) {
       const double low = along_x(at), high = along_x(at + next_y_);
       return low + y.share * (high - low);
     };
@@ -57,8 +57,8 @@ class LinearSampler {
  private:
   const float* values_;
   SampledAxis x_, y_, z_;
-  std::ptrdiff_t row_, slice_;               // from a voxel to that of the next row, of the next slice
-  std::ptrdiff_t next_x_, next_y_, next_z_;  // 0 where there is one voxel
+  Index row_, slice_;               // from a voxel to that of the next row, of the next slice
+  Index next_x_, next_y_, next_z_;  // 0 where there is one voxel
 };
 
 }  // namespace dynasurf::image

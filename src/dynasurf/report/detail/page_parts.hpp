@@ -1,13 +1,13 @@
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 
 namespace dynasurf::cloud {
@@ -29,8 +29,6 @@ template <class T>
 void append(Bytes& bytes, T value) {
   for (std::size_t b = 0; b < sizeof(T); ++b) bytes.push_back(value >> (8 * b) & 0xff);
 }
-/// Rounded, and kept within what a byte holds.
-inline std::uint8_t byte_of(double value) { return std::clamp(std::round(value), 0.0, 255.0); }
 
 /// Box around every surface, so that all meshes share one scale.
 struct Box {

@@ -30,13 +30,13 @@ class Interpolated {
     if (held_[j & 3] == j) return out;
     held_[j & 3] = j;
     const float *p = own_ + 6 * slot_ * j, *q = next_ + 6 * slot_ * j;
-    const auto between = [&](std::ptrdiff_t at)
+    const auto between = [&](Index at)
                              DYNASURF_INLINE_LAMBDA { return 0.75f * load<V>(p + at) + 0.25f * load<V>(q + at); };
     for (int c = 0; c < 3; ++c) {
       float* to = out + 2 * c * fine_slot_;
-      const std::ptrdiff_t from = 2 * c * slot_;
+      const Index from = 2 * c * slot_;
       if constexpr (joined)
-        join_halves([&](std::ptrdiff_t m) DYNASURF_INLINE_LAMBDA { return between(from + m); }, to);
+        join_halves([&](Index m) DYNASURF_INLINE_LAMBDA { return between(from + m); }, to);
       else
         for (int m = 0; m < 2 * slot_; m += V::count) store(to + m, between(from + m));
     }
@@ -51,11 +51,11 @@ class Interpolated {
     V v[2], next[2]{};
     join(values(0), values(slot_), v[0], v[1]);
     V before = first_lane(v[0]);
-    for (std::ptrdiff_t m = 0;; m += V::count) {
-      const std::ptrdiff_t after = m + V::count;
+    for (Index m = 0;; m += V::count) {
+      const Index after = m + V::count;
       if (after < slot_) join(values(after), values(slot_ + after), next[0], next[1]);
       for (int i : {0, 1}) {
-        const std::ptrdiff_t at = 2 * m + i * V::count;
+        const Index at = 2 * m + i * V::count;
         if (at >= end_of<V>(fine_slot_)) return;
         const V down = shifted_up(before, v[i]);
         V up = shifted_down(v[i], i == 0 ? v[1] : next[0]);
@@ -68,7 +68,7 @@ class Interpolated {
     }
   }
 
-  std::ptrdiff_t fine_slot_, slot_, end_;
+  Index fine_slot_, slot_, end_;
   const float *own_, *next_;
   float* rows_;
   int held_[4] = {-1, -1, -1, -1};
@@ -93,12 +93,12 @@ DYNASURF_INLINE void fetch_ahead(const View& v, int j, int k) {
 template <class V, bool finest, bool first, bool joined, int usual_slot, int half>
 DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<V, joined, usual_slot>& between, int j,
                                      int k) {
-  const std::ptrdiff_t slot = usual_slot > 0 ? usual_slot : f.slot;
+  const Index slot = usual_slot > 0 ? usual_slot : f.slot;
   const int own = f.halved[1] ? j / 2 : j;
   const int next = f.halved[1] ? std::clamp(own + (j % 2 == 0 ? -1 : 1), 0, g.ny - 1) : own;
   const float *p = between.row(own) + half * slot, *q = between.row(next) + half * slot;
   const float *diagonal = f.lane_values + (4 + half) * slot, yz = f.yz_diagonal(j, k);
-  const std::ptrdiff_t row = f.row_number(j, k);
+  const Index row = f.row_number(j, k);
   float* u = f.u + lanes + (6 * row + half) * slot;
   const float *rhs = f.rhs + lanes + (6 * row + half) * slot, *d_row = f.d + (2 * row + half) * slot;
   const std::int32_t* block_of = f.block_of + (2 * row + half) * (slot / lanes);
@@ -115,7 +115,7 @@ DYNASURF_INLINE void interpolate_row(const View& f, const View& g, Interpolated<
       share = (load<V>(diagonal + m) + yz) * d;
     }
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t at = 2 * c * slot + m;
+      const Index at = 2 * c * slot + m;
       V t = 0.75f * load<V>(p + at) + 0.25f * load<V>(q + at);
       if (!finest || data != nullptr) t *= share;
       if constexpr (first) {

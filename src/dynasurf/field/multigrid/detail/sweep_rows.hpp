@@ -29,8 +29,8 @@ struct Measure {
   }
 };
 
-/// New values of one row. They follow from the neighbours alone, so they are told by how far they lie from `near`, and
-/// old values are not read. Unused lanes, whose d is 0, repeat their neighbour.
+/// New values of one colour of a row, from the values of their neighbours. Old values are not read. A value is computed
+/// as the neighbour `near` plus a difference, which keeps the rounding small. Unused lanes, whose d is 0, copy `near`.
 template <class V, Start start, bool finest>
 DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure<V>& measure) {
   const int half = half_of(colour, j, k);
@@ -57,7 +57,7 @@ DYNASURF_INLINE void sweep_row(const View& v, int j, int k, int colour, Measure<
     }
     const V dm = load<V>(!finest ? d + m : data != nullptr ? data : empty_d + m);
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t at = 2 * c * v.slot + m;
+      const Index at = 2 * c * v.slot + m;
       const Around<V> n = around<V>(r, at);
       V flow = inflow<finest>(n, kx, rates);
       if constexpr (finest) {
@@ -92,7 +92,7 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure<V>& 
       d[r] = load<V>(number < 0 ? empty_d[r] + m : data[r]);
     }
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t at = 2 * c * t.slot + m;
+      const Index at = 2 * c * t.slot + m;
       t.each_row(at, [&](auto r, const Around<V>& n) DYNASURF_INLINE_LAMBDA {
         V flow = inflow<true>(n, kx[t.half(r)], rates);
         if (data[r] != nullptr) flow += load<V>(data[r] + 16) * (load<V>(data[r] + 32 + 16 * c) - n.near);
@@ -107,7 +107,7 @@ DYNASURF_INLINE void sweep_finest_tile(const View& v, int j, int k, Measure<V>& 
 template <class V, int first, int usual_slot>
 DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
   const Tile<V, first, usual_slot> t(v, j, k);
-  const std::ptrdiff_t scalars = 2 * t.slot * v.row_number(j, k), slice = 2 * t.slot * v.ny;
+  const Index scalars = 2 * t.slot * v.row_number(j, k), slice = 2 * t.slot * v.ny;
   const float *rhs0 = v.rhs + lanes + 3 * scalars, *rhs1 = rhs0 + 3 * slice;
   const float *b0 = v.b + scalars, *b1 = b0 + slice, *d0 = v.d + scalars, *d1 = d0 + slice;
   const float ym[2] = {v.left[1][j], v.left[1][j + 1]}, yp[2] = {v.right[1][j], v.right[1][j + 1]};
@@ -116,12 +116,12 @@ DYNASURF_INLINE void sweep_coarse_tile(const View& v, int j, int k) {
     const V kx[2] = {load<V>(v.lane_values + m), load<V>(v.lane_values + 3 * t.slot + m)};
     V b[4], d[4];
     for (int r = 0; r < 4; ++r) {
-      const std::ptrdiff_t at = (r % 2 * 2 + t.half(r)) * t.slot + m;
+      const Index at = (r % 2 * 2 + t.half(r)) * t.slot + m;
       b[r] = load<V>((r < 2 ? b0 : b1) + at);
       d[r] = load<V>((r < 2 ? d0 : d1) + at);
     }
     for (int c = 0; c < 3; ++c) {
-      const std::ptrdiff_t at = 2 * c * t.slot + m;
+      const Index at = 2 * c * t.slot + m;
       t.each_row(at, [&](auto r, const Around<V>& n) DYNASURF_INLINE_LAMBDA {
         const V rhs = load<V>((r < 2 ? rhs0 : rhs1) + (r % 2 * 6 + t.half(r)) * t.slot + at);
         const Rates rates{ym[r % 2], yp[r % 2], zm[r / 2], zp[r / 2]};

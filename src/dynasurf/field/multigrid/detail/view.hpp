@@ -12,7 +12,7 @@ namespace dynasurf::field::multigrid {
 struct View {
   int slot, nx, ny, nz;
   float stretch = 1;  // of corrections
-  std::ptrdiff_t stride;
+  Index stride;
   float *u, *rhs, *b, *d;
   const float *lane_values, *blocks, *empty_d;
   const std::int32_t* block_of;
@@ -24,7 +24,7 @@ struct View {
         nx(l.nx()),
         ny(l.ny()),
         nz(l.nz()),
-        stride(static_cast<std::ptrdiff_t>(l.stride)),
+        stride(static_cast<Index>(l.stride)),
         u(l.u.data()),
         rhs(l.rhs.data()),
         b(l.b.data()),
@@ -41,9 +41,9 @@ struct View {
     }
   }
 
-  DYNASURF_INLINE std::ptrdiff_t row_number(int j, int k) const { return j + static_cast<std::ptrdiff_t>(ny) * k; }
-  DYNASURF_INLINE std::ptrdiff_t row(int j, int k) const { return lanes + stride * row_number(j, k); }
-  DYNASURF_INLINE std::ptrdiff_t scalar_row(int j, int k) const { return 2 * slot * row_number(j, k); }
+  DYNASURF_INLINE Index row_number(int j, int k) const { return j + static_cast<Index>(ny) * k; }
+  DYNASURF_INLINE Index row(int j, int k) const { return lanes + stride * row_number(j, k); }
+  DYNASURF_INLINE Index scalar_row(int j, int k) const { return 2 * slot * row_number(j, k); }
   DYNASURF_INLINE const float* lane_left(int half) const { return lane_values + half * slot; }
   DYNASURF_INLINE const float* lane_right(int half) const { return lane_values + (2 + half) * slot; }
   DYNASURF_INLINE const float* lane_diagonal(int half) const { return lane_values + (4 + half) * slot; }
@@ -55,7 +55,7 @@ struct View {
     return block_of + (row_number(j, k) * 2 + half) * (slot / lanes);
   }
   DYNASURF_INLINE const float* block(std::int32_t number) const {
-    return blocks + block_size * static_cast<std::ptrdiff_t>(number);
+    return blocks + block_size * static_cast<Index>(number);
   }
   DYNASURF_INLINE const float* empty_d_of(int j, int k, int half) const {
     const int y = j == 0 ? 0 : j + 1 == ny ? 2 : 1, z = k == 0 ? 0 : k + 1 == nz ? 2 : 1;
@@ -113,7 +113,7 @@ DYNASURF_INLINE Row row_of(const View& v, int j, int k, int half) {
   float* base = v.u + v.row(j, k);
   float* own = base + half * v.slot;
   const float* near = base + (1 - half) * v.slot;
-  const std::ptrdiff_t slice = v.stride * v.ny;
+  const Index slice = v.stride * v.ny;
   return {own,
           near,
           half == 0 ? near - 1 : near + 1,
@@ -131,7 +131,7 @@ struct Around {
 
 /// Of the cells from lane `at` of a row on.
 template <class V>
-DYNASURF_INLINE Around<V> around(const Row& r, std::ptrdiff_t at) {
+DYNASURF_INLINE Around<V> around(const Row& r, Index at) {
   const V u = load<V>(r.near + at);
   const auto beyond = [&](const float* p) DYNASURF_INLINE_LAMBDA { return load<V>(p + at) - u; };
   return {u, beyond(r.far), beyond(r.ym), beyond(r.yp), beyond(r.zm), beyond(r.zp)};
@@ -143,7 +143,7 @@ DYNASURF_INLINE Around<V> around(const Row& r, std::ptrdiff_t at) {
 /// compiled, so that a few pointers do.
 template <class V, int first, int usual_slot>
 struct Tile {
-  std::ptrdiff_t slot, stride;
+  Index slot, stride;
   float* slice[2];
   const float *y_low[2], *y_high[2], *z_low[2], *z_high[2];
 
@@ -166,7 +166,7 @@ struct Tile {
 
   /// Calls `body(row, around)` for every row.
   template <class Body>
-  DYNASURF_INLINE void each_row(std::ptrdiff_t at, Body body) const {
+  DYNASURF_INLINE void each_row(Index at, Body body) const {
     const V a = load<V>(near(0) + at), b = load<V>(near(1) + at), c = load<V>(near(2) + at), d = load<V>(near(3) + at);
     const V ab = b - a, cd = d - c, ac = c - a, bd = d - b;
     const auto beyond = [&](const float* p, V u) DYNASURF_INLINE_LAMBDA { return load<V>(p + at) - u; };
