@@ -60,8 +60,8 @@ std::string summary_of(const std::vector<report::NamedLevel>& levels, const repo
     const auto share = [&](double length) { return fixed(100 * length / plan.chain.diagonal, 3) + " %"; };
     text += "level " + std::to_string(n + 2) + " to " + std::to_string(n + 1) +
             (t.exact ? ": starts from the very shape\n"
-                     : ": starts " + share(t.start_distance) + " of the diagonal off the coarse shape, at most " +
-                           share(t.largest_start_distance) + "\n");
+                     : ": starts " + share(plan.distances[n].mean) + " of the diagonal off the coarse shape, at most " +
+                           share(plan.distances[n].largest) + "\n");
   }
   return text;
 }

@@ -141,7 +141,7 @@ TEST(LodBlend, RunsThroughAllLevelsWithoutAJump) {
 void expect_whole(const LodTransition& transition, const TriMesh& coarse, const TriMesh& fine) {
   EXPECT_TRUE(transition.exact);
   // All places are sums of weighted vertices near 1: rounding only.
-  EXPECT_LT(transition.largest_start_distance, 1e-9);
+  EXPECT_LT(start_distance(transition, coarse).largest, 1e-9);
   const TriMesh begin = at_transition(transition, 0), end = at_transition(transition, 1);
   EXPECT_NEAR(mesh::volume_mm3(begin), mesh::volume_mm3(coarse), 1e-12 * mesh::volume_mm3(coarse));
   EXPECT_NEAR(mesh::volume_mm3(end), mesh::volume_mm3(fine), 1e-12 * mesh::volume_mm3(fine));
@@ -230,7 +230,7 @@ TEST(LodTransition, IsMostlyTheCoarseSurfaceAtItsStartWhereSheetsNearlyTouch) {
         if (transition.exact)
           expect_whole(transition, levels[n + 1].mesh, levels[n].mesh);
         else
-          EXPECT_GT(transition.largest_start_distance, 1e-9) << "it tells how far it is off";
+          EXPECT_GT(start_distance(transition, levels[n + 1].mesh).largest, 1e-9) << "it tells how far it is off";
       }
     }
   EXPECT_EQ(all, 18);

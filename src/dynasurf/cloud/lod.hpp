@@ -85,9 +85,6 @@ struct LodTransition {
   /// The two ends of the edge of `fine` that each vertex beyond those of the finer level halves, in their order.
   std::vector<std::array<std::uint32_t, 2>> cuts;
   bool exact = false;  // at t = 0 the shape is the coarse surface itself
-  // Between the shape at t = 0 and the coarse surface, at vertices and middles of edges and triangles, both ways.
-  double start_distance = 0;          // mean
-  double largest_start_distance = 0;  // largest
 };
 
 /// When `fine` is `coarse` with every triangle cut in four and the coarse vertices first (as icospheres are), every new
@@ -95,8 +92,16 @@ struct LodTransition {
 /// that faces the same way, and triangles of `fine` are cut until all corners of each start within one coarse triangle:
 /// the shape at t = 0 is the coarse surface then, too, to rounding. Where the nearest point jumps between sheets of the
 /// coarse surface that nearly touch, starts between them are led along its edges. Should triangles be left that cut its
-/// corners, `exact` is false and the distances tell by how much. Throws InputError for a mesh without triangles.
+/// corners, `exact` is false and `start_distance` tells by how much. Throws InputError for a mesh without triangles.
 LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine);
+
+/// How far a shape is off another one, in the unit of the meshes.
+struct StartDistance {
+  double mean = 0, largest = 0;
+};
+
+/// Between the shape at t = 0 and the coarse surface, at vertices and middles of edges and triangles, both ways.
+StartDistance start_distance(const LodTransition& transition, const TriMesh& coarse);
 
 /// The shape at t in [0, 1]: the vertices move on straight lines, so shape and volume are continuous.
 TriMesh at_transition(const LodTransition& transition, double t);

@@ -350,16 +350,13 @@ std::array<double, 7> distances2(const TriMesh& from, std::size_t triangle, cons
   return found;
 }
 
-struct Distance {
-  double mean, largest;
-};
-Distance distance_between(const TriMesh& from, const TriMesh& to) {
+StartDistance distance_between(const TriMesh& from, const TriMesh& to) {
   const mesh::ClosestPoint closest(to);
   std::vector<std::array<double, 7>> found(from.triangles.size());
   parallel_for(found.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) found[t] = distances2(from, t, closest);
   });
-  Distance distance{0, 0};
+  StartDistance distance;
   for (const auto& seven : found)
     for (const double d2 : seven) {
       distance.mean += std::sqrt(d2) / (7 * found.size());
@@ -385,11 +382,13 @@ LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine) {
   transition.start = cutting.starts();
   transition.fine = cutting.take_mesh();
   transition.cuts = cutting.take_cuts();
-  const TriMesh begin{transition.start, transition.fine.triangles};
-  const Distance there = distance_between(begin, coarse), back = distance_between(coarse, begin);
-  transition.start_distance = (there.mean + back.mean) / 2;
-  transition.largest_start_distance = std::max(there.largest, back.largest);
   return transition;
+}
+
+StartDistance start_distance(const LodTransition& transition, const TriMesh& coarse) {
+  const TriMesh begin{transition.start, transition.fine.triangles};
+  const StartDistance there = distance_between(begin, coarse), back = distance_between(coarse, begin);
+  return {(there.mean + back.mean) / 2, std::max(there.largest, back.largest)};
 }
 
 TriMesh at_transition(const LodTransition& transition, double t) {

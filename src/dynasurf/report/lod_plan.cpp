@@ -31,8 +31,10 @@ LodPlan plan_of(const std::vector<TriMesh>& meshes, const cloud::LodRule& rule, 
   // GEN-MIP has both rules: sizes on the screen, and distances that the user sets.
   plan.from = cloud::switch_distances(plan.chain, camera);
   if (!from.empty()) set_intervals(plan, from, camera);
-  for (std::size_t n = 0; n + 1 < meshes.size(); ++n)
+  for (std::size_t n = 0; n + 1 < meshes.size(); ++n) {
     plan.transitions.push_back(cloud::lod_transition(meshes[n + 1], meshes[n]));
+    plan.distances.push_back(cloud::start_distance(plan.transitions[n], meshes[n + 1]));
+  }
   return plan;
 }
 
@@ -61,8 +63,8 @@ nlohmann::ordered_json json_of(const std::vector<NamedLevel>& levels, const LodP
     Json transition = {{"from_level", n + 2},
                        {"to_level", n + 1},
                        {"exact", plan.transitions[n].exact},
-                       {"start_distance", plan.transitions[n].start_distance},
-                       {"largest_start_distance", plan.transitions[n].largest_start_distance}};
+                       {"start_distance", plan.distances[n].mean},
+                       {"largest_start_distance", plan.distances[n].largest}};
     for (const TransitionStep& s : plan.steps)
       if (s.transition == n)
         transition["meshes"].push_back({{"step", s.step},

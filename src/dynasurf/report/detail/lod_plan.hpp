@@ -29,6 +29,7 @@ struct LodPlan {
   cloud::LodChain chain;
   std::vector<double> from;                       // distance from which each level serves
   std::vector<cloud::LodTransition> transitions;  // level n out of level n + 1
+  std::vector<cloud::StartDistance> distances;    // of each from the coarser level
   std::vector<TransitionStep> steps;              // of the meshes that were written
 };
 
