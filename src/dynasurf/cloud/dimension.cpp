@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 #include "dynasurf/core/detail/elementary.hpp"
@@ -16,6 +17,9 @@ constexpr double widest = 0.5;  // of the mean distance from the middle; each sc
 
 using Counts = std::array<double, scales>;  // pairs within each scale, widest first
 
+/// Of a normal number; `std::ilogb` is a call.
+int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52 & 0x7ff) - 1023; }
+
 Counts pairs_within(std::span<const Vec3> points) {
   constexpr std::size_t centres = 300, others = 20000;
   const double share = 1.0 / points.size();
@@ -26,13 +30,15 @@ Counts pairs_within(std::span<const Vec3> points) {
   const double largest = widest * widest * spread;
   const std::size_t step = std::max<std::size_t>(1, points.size() / others);
   const std::size_t stride = std::max<std::size_t>(1, points.size() / centres);
+  std::vector<Vec3> some;
+  for (std::size_t i = 0; i < points.size(); i += step) some.push_back(points[i]);
   std::vector<Counts> of_centre((points.size() + stride - 1) / stride, Counts{});
   parallel_for(of_centre.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
-      for (std::size_t i = 0; i < points.size(); i += step) {
-        const double distance2 = (points[i] - points[c * stride]).squaredNorm();
-        if (distance2 > largest || i == c * stride) continue;
-        const int scale = std::min(std::ilogb(largest / std::max(distance2, 1e-9 * largest)), scales - 1);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const double distance2 = (some[i] - points[c * stride]).squaredNorm();
+        if (distance2 > largest || i * step == c * stride) continue;
+        const int scale = std::min(exponent_of(largest / std::max(distance2, 1e-9 * largest)), scales - 1);
         ++of_centre[c][scale];
       }
   });

@@ -108,7 +108,8 @@ LeastSquares<terms> least_squares(const std::vector<Row<terms>>& rows, const std
   Row<terms> right = Row<terms>::Zero();
   double squares = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    normal += rows[i] * rows[i].transpose();
+    for (int r = 0; r < terms; ++r)  // of the symmetric matrix, the half that is looked at
+      for (int c = 0; c <= r; ++c) normal(r, c) += rows[i][r] * rows[i][c];
     right += rows[i] * values[i];
     squares += values[i] * values[i];
   }
@@ -164,20 +165,31 @@ OffQuadric off_quadric(const std::vector<Vec3>& points, std::span<const KdTree::
   return off;
 }
 
-/// The medians of each over the cloud.
-OffQuadric median_off_quadric(const std::vector<Vec3>& points, const KdTree& neighbours, std::size_t count) {
+constexpr std::array<std::size_t, 4> neighbourhoods{16, 24, 48, 100};
+
+/// The medians of each over the cloud, for the first so many of the `neighbourhoods`.
+std::vector<OffQuadric> medians_off_quadric(const std::vector<Vec3>& points, const KdTree& neighbours,
+                                            std::size_t sizes) {
   constexpr std::size_t samples = 1500;
   const std::size_t step = std::max<std::size_t>(1, points.size() / samples);
-  std::vector<double> rms((points.size() + step - 1) / step), kurtosis(rms.size()), rms_of_layers(rms.size());
-  parallel_for(rms.size(), 64, [&](std::size_t begin, std::size_t end) {
-    std::vector<KdTree::Found> found(count);
+  std::vector<std::array<OffQuadric, neighbourhoods.size()>> off((points.size() + step - 1) / step);
+  parallel_for(off.size(), 64, [&](std::size_t begin, std::size_t end) {
+    // Nearest first: a small neighbourhood is the beginning of a large one.
+    std::vector<KdTree::Found> found(neighbourhoods[sizes - 1]);
     for (std::size_t i = begin; i < end; ++i) {
       neighbours.nearest(points[i * step], found);
-      const OffQuadric off = off_quadric(points, found);
-      rms[i] = off.rms, kurtosis[i] = off.kurtosis, rms_of_layers[i] = off.rms_of_layers;
+      for (std::size_t n = 0; n < sizes; ++n)
+        off[i][n] = off_quadric(points, std::span(found).first(neighbourhoods[n]));
     }
   });
-  return {upper_median(std::move(rms)), upper_median(std::move(kurtosis)), upper_median(std::move(rms_of_layers))};
+  std::vector<OffQuadric> medians(sizes);
+  for (std::size_t n = 0; n < sizes; ++n)
+    for (double OffQuadric::*const part : {&OffQuadric::rms, &OffQuadric::kurtosis, &OffQuadric::rms_of_layers}) {
+      std::vector<double> all;
+      for (const auto& o : off) all.push_back(o[n].*part);
+      medians[n].*part = upper_median(std::move(all));
+    }
+  return medians;
 }
 
 /// Side of the square that a point stands for, from the circle that holds its neighbours.
@@ -222,9 +234,13 @@ Noise estimate_noise(const std::vector<Vec3>& points, const KdTree& neighbours, 
   constexpr std::size_t enough_for_layers = 48;
   double least = std::numeric_limits<double>::infinity(), left_over = 0;
   Noise noise;
-  for (const std::size_t count : {16, 24, 48, 100}) {
-    if (points.size() < 2 * count) break;
-    const OffQuadric off = median_off_quadric(points, neighbours, count);
+  std::size_t sizes = 0;
+  while (sizes < neighbourhoods.size() && points.size() >= 2 * neighbourhoods[sizes]) ++sizes;
+  const std::vector<OffQuadric> medians =
+      sizes > 0 ? medians_off_quadric(points, neighbours, sizes) : std::vector<OffQuadric>{};
+  for (std::size_t n = 0; n < sizes; ++n) {
+    const std::size_t count = neighbourhoods[n];
+    const OffQuadric& off = medians[n];
     const bool is_layered = count >= enough_for_layers && off.kurtosis < of_layers;
     left_over = is_layered ? off.rms_of_layers : off.rms;
     if (const auto size = noise_from(left_over, count, spacing)) least = std::min(least, *size);
