@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <queue>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -43,19 +44,94 @@ Quadric plane_of(const Vec3& p, const Vec3& q, const Vec3& r) {
   return {area * u * u.transpose(), area * d * u, area * d * d, area};
 }
 
-/// Small, for there are many: the place is found anew for those whose turn comes.
-struct Candidate {
-  double cost;
-  std::uint32_t half_edge, stamp;
-  bool operator<(const Candidate& o) const {  // the queue gives the largest first
-    return cost != o.cost ? cost > o.cost : half_edge > o.half_edge;
+/// The edges that may collapse, the cheapest first; of equally cheap ones the first. Each is in it once: one whose cost
+/// changes moves from where it is, which is a short way for most. A heap with four branches.
+class EdgeQueue {
+ public:
+  struct Entry {
+    double cost;
+    std::uint32_t half_edge;
+    bool operator<(const Entry& o) const { return cost != o.cost ? cost < o.cost : half_edge < o.half_edge; }
+  };
+
+  void fill(std::vector<Entry> entries, std::size_t half_edges) {
+    heap_ = std::move(entries);
+    place_.assign(half_edges, none);
+    for (std::uint32_t i = 0; i < heap_.size(); ++i) place_[heap_[i].half_edge] = i;
+    for (std::size_t i = heap_.size() / ways + 1; i > 0;) sink(--i);
   }
+
+  bool empty() const { return heap_.empty(); }
+
+  std::uint32_t take_first() {
+    const std::uint32_t first = heap_.front().half_edge;
+    remove(first);
+    return first;
+  }
+
+  void set(const Entry& entry) {
+    std::size_t i = place_[entry.half_edge];
+    if (i == none) {
+      i = heap_.size();
+      heap_.push_back(entry);
+    }
+    put(i, entry);
+    settle(i);
+  }
+
+  void remove(std::uint32_t half_edge) {
+    const std::size_t i = std::exchange(place_[half_edge], none);
+    if (i == none) return;
+    const Entry last = heap_.back();
+    heap_.pop_back();
+    if (i == heap_.size()) return;
+    put(i, last);
+    settle(i);
+  }
+
+ private:
+  static constexpr std::size_t ways = 4;
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  void put(std::size_t i, const Entry& entry) {
+    heap_[i] = entry;
+    place_[entry.half_edge] = i;
+  }
+
+  void settle(std::size_t i) {
+    const Entry entry = heap_[i];
+    while (i > 0 && entry < heap_[(i - 1) / ways]) {
+      put(i, heap_[(i - 1) / ways]);
+      i = (i - 1) / ways;
+    }
+    put(i, entry);
+    sink(i);
+  }
+
+  void sink(std::size_t i) {
+    if (i >= heap_.size()) return;
+    const Entry entry = heap_[i];
+    for (;;) {
+      const std::size_t first = ways * i + 1, end = std::min(first + ways, heap_.size());
+      if (first >= end) break;
+      std::size_t least = first;
+      for (std::size_t c = first + 1; c < end; ++c)
+        if (heap_[c] < heap_[least]) least = c;
+      if (!(heap_[least] < entry)) break;
+      put(i, heap_[least]);
+      i = least;
+    }
+    put(i, entry);
+  }
+
+  std::vector<Entry> heap_;
+  std::vector<std::uint32_t> place_;  // in the heap, per half-edge
 };
 
 class Simplifier {
  public:
   Simplifier(SurfaceEditor& surface, const Simplify& options)
-      : s_(surface), o_(options), quadrics_(surface.vertex_slots()), stamps_(surface.vertex_slots(), 0) {
+      : s_(surface), o_(options), quadrics_(surface.vertex_slots()) {
     if (o_.exact) guard_.emplace(surface);
     for (std::uint32_t t = 0; t < s_.triangle_slots(); ++t) {
       if (!s_.is_alive(t)) continue;
@@ -92,23 +168,18 @@ class Simplifier {
     std::vector<std::uint32_t> edges;
     for (std::uint32_t h = 0; h < 3 * s_.triangle_slots(); ++h)
       if (s_.is_edge(h)) edges.push_back(h);
-    std::vector<Candidate> all(edges.size());
+    std::vector<EdgeQueue::Entry> all(edges.size());
     parallel_for(all.size(), 1024, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) all[i] = candidate(edges[i]);
     });
-    queue_ = std::priority_queue<Candidate>(std::less<Candidate>(), std::move(all));
+    queue_.fill(std::move(all), 3 * s_.triangle_slots());
     while (s_.triangles() > o_.triangles && !queue_.empty()) {
-      const Candidate c = queue_.top();
-      queue_.pop();
-      const std::uint32_t h = c.half_edge;
-      if (!s_.is_alive(h / 3) || stamp(h) != c.stamp || !s_.can_collapse(h)) continue;
+      const std::uint32_t h = queue_.take_first();
+      if (!s_.can_collapse(h)) continue;
       const Vec3 place = place_for(h, both(h));
       if (is_allowed(h, place)) collapse(h, place);
     }
   }
-
-  /// Grows whenever an end of the edge changes, for the vertex that is left counts the changes of both.
-  std::uint32_t stamp(std::uint32_t h) const { return stamps_[s_.from(h)] + stamps_[s_.to(h)]; }
 
   Quadric both(std::uint32_t h) const {
     Quadric q = quadrics_[s_.from(h)];
@@ -127,10 +198,10 @@ class Simplifier {
     return place.allFinite() && (place - middle).squaredNorm() < (b - a).squaredNorm() ? place : middle;
   }
 
-  Candidate candidate(std::uint32_t h) const {
+  EdgeQueue::Entry candidate(std::uint32_t h) const {
     const Quadric q = both(h);
     const double length2 = (s_.position(s_.to(h)) - s_.position(s_.from(h))).squaredNorm();
-    return {q.at(place_for(h, q)) + o_.evenness * q.area * length2, h, stamp(h)};
+    return {q.at(place_for(h, q)) + o_.evenness * q.area * length2, h};
   }
 
   /// The triangles around both ends, and what they would become.
@@ -189,11 +260,17 @@ class Simplifier {
   void collapse(std::uint32_t h, const Vec3& place) {
     const std::uint32_t a = s_.from(h), b = s_.to(h);
     quadrics_[b].add(quadrics_[a]);
+    for (const std::uint32_t t : {h / 3, s_.twin(h) / 3})
+      for (std::uint32_t gone = 3 * t; gone < 3 * t + 3; ++gone) queue_.remove(gone);
     s_.collapse(h, place);
-    stamps_[b] += stamps_[a] + 1;
     std::uint32_t g = s_.leaving(b);
     do {
-      if (const std::uint32_t edge = s_.is_edge(g) ? g : s_.twin(g); s_.is_edge(edge)) queue_.push(candidate(edge));
+      const std::uint32_t other = s_.twin(g);
+      for (const std::uint32_t edge : {g, other})
+        if (s_.is_edge(edge))
+          queue_.set(candidate(edge));
+        else
+          queue_.remove(edge);
       if (guard_) guard_->update(g / 3);
       g = s_.turned(g);
     } while (g != s_.leaving(b));
@@ -202,9 +279,8 @@ class Simplifier {
   SurfaceEditor& s_;
   const Simplify& o_;
   std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> stamps_;
   std::optional<CrossingGuard> guard_;
-  std::priority_queue<Candidate> queue_;
+  EdgeQueue queue_;
   std::vector<std::uint32_t> old_;
   std::vector<Corners> fresh_;
   double least_sine_ = 0;
