@@ -72,6 +72,25 @@ TEST(MakeLevel, LiesNearerToThePointsThanCollapsedEdgesDo) {
   EXPECT_LT(mean_distance(fitted, scan.points), 0.6 * mean_distance(collapsed, scan.points));
 }
 
+// The next level starts from what is begun, while this one is finished.
+TEST(LevelMaker, BeginsWithASoundSurfaceThatFinishingBringsNearer) {
+  const Scan scan = scan_of_ellipsoid(20000);
+  const TriMesh fine = ellipsoid(4);
+  const mesh::ClosestPoint on_fine(fine);
+  mesh::SurfaceEditor collapsed(fine), surface(fine);
+  make_lighter(collapsed, 1280);
+  const LevelMaker maker(fine, on_fine, {scan.points, scan.normals}, 1280, shaped_plan());
+  maker.begin(surface);
+  const TriMesh begun = surface.mesh();
+  EXPECT_EQ(begun.triangles.size(), 1280U);
+  EXPECT_TRUE(mesh::check_surface(begun).valid());
+  const double before = mean_distance(surface, scan.points);
+  EXPECT_LT(before, 0.6 * mean_distance(collapsed, scan.points)) << "it is fitted";
+  maker.finish(surface);
+  EXPECT_TRUE(mesh::check_surface(surface.mesh()).valid());
+  EXPECT_LT(mean_distance(surface, scan.points), before);
+}
+
 TEST(MakeLevel, AddsTrianglesWhereTheSurfaceHasTooFew) {
   const Scan scan = scan_of_ellipsoid(20000);
   const TriMesh coarse = ellipsoid(2);

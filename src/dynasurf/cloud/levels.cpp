@@ -77,35 +77,56 @@ void lighten_for_level(mesh::SurfaceEditor& surface, std::size_t triangles, cons
   if (triangles > few) collapse(surface, triangles, plan);
 }
 
+LevelMaker::LevelMaker(const TriMesh& fine, const mesh::ClosestPoint& on_fine, const FitPoints& points,
+                       std::size_t triangles, const LevelPlan& plan)
+    : fine_(fine), on_fine_(on_fine), points_(points), triangles_(triangles), plan_(plan) {
+  const std::size_t step = step_of_fit(plan, points.points.size(), triangles);
+  some_ = every(points.points, step);
+  normals_ = every(points.normals, step);
+}
+
+void LevelMaker::begin(mesh::SurfaceEditor& surface) const {
+  if (triangles_ <= few && surface.triangles() > 3 * triangles_)
+    make_level(surface, 2 * triangles_, fine_, on_fine_, points_, plan_);
+  const TraceStage noted("levels: begin");
+  if (surface.triangles() < triangles_) mesh::refine(surface, triangles_ + triangles_ / 2);
+  collapse(surface, triangles_, plan_);
+  for (int round = 1; round < plan_.rounds; ++round) {
+    shape(surface);
+    fit(surface, {some_, normals_}, fitting(plan_.fits));
+  }
+}
+
+void LevelMaker::finish(mesh::SurfaceEditor& surface) const {
+  const TraceStage noted("levels: finish");
+  shape(surface);
+  mesh::improve_smallest_angle(surface, plan_.raise_deg, 8, plan_.sharp_deg);
+  fit(surface, {some_, normals_}, fitting(plan_.last_fits));
+  mesh::improve_smallest_angle(surface, plan_.smallest_angle_deg, 10, plan_.sharp_deg);
+}
+
+FitOptions LevelMaker::fitting(int rounds) const {
+  return {.rounds = rounds,
+          .hold = plan_.hold,
+          .smoothness = plan_.smoothness,
+          .smallest_angle_deg = plan_.hold_angle_deg,
+          .noise = plan_.noise};
+}
+
+/// Better triangles in the same surface: flips, and moves within it.
+void LevelMaker::shape(mesh::SurfaceEditor& surface) const {
+  mesh::flip_to_larger_angles(surface, plan_.largest_bend_deg);
+  if (plan_.sweeps == 0) return;
+  const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
+  mesh::relax(surface, mesh::local_sizes(surface, 2), on_fine_, fine_, plan_.sweeps, plan_.raise_deg, plan_.sharp_deg);
+  mesh::revert_self_intersections(surface, safe);
+}
+
 std::size_t make_level(mesh::SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine,
                        const mesh::ClosestPoint& on_fine, const FitPoints& points, const LevelPlan& plan) {
-  if (triangles <= few && surface.triangles() > 3 * triangles)
-    make_level(surface, 2 * triangles, fine, on_fine, points, plan);
-  const TraceStage noted("levels: make");
-  if (surface.triangles() < triangles) mesh::refine(surface, triangles + triangles / 2);
-  collapse(surface, triangles, plan);
-  const std::size_t step = step_of_fit(plan, points.points.size(), triangles);
-  const std::vector<Vec3> some = every(points.points, step), normals = every(points.normals, step);
-  FitOptions fitting{.rounds = 1,
-                     .hold = plan.hold,
-                     .smoothness = plan.smoothness,
-                     .smallest_angle_deg = plan.hold_angle_deg,
-                     .noise = plan.noise};
-  for (int round = 0; round < plan.rounds; ++round) {
-    const bool is_last = round == plan.rounds - 1;
-    mesh::flip_to_larger_angles(surface, plan.largest_bend_deg);
-    if (plan.sweeps > 0) {
-      const std::vector<Vec3> safe(surface.positions().begin(), surface.positions().end());
-      mesh::relax(surface, mesh::local_sizes(surface, 2), on_fine, fine, plan.sweeps, plan.raise_deg, plan.sharp_deg);
-      mesh::revert_self_intersections(surface, safe);
-    }
-    if (is_last) {
-      mesh::improve_smallest_angle(surface, plan.raise_deg, 8, plan.sharp_deg);
-      fitting.rounds = plan.last_fits;
-    }
-    fit(surface, {some, normals}, fitting);
-  }
-  mesh::improve_smallest_angle(surface, plan.smallest_angle_deg, 10, plan.sharp_deg);
+  const LevelMaker maker(fine, on_fine, points, triangles, plan);
+  maker.begin(surface);
+  maker.finish(surface);
   return surface.triangles();
 }
 

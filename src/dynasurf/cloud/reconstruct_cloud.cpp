@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <numeric>
 
@@ -11,13 +10,12 @@
 #include "dynasurf/cloud/detail/dimension.hpp"
 #include "dynasurf/cloud/detail/flat_lids.hpp"
 #include "dynasurf/cloud/detail/holes.hpp"
-#include "dynasurf/cloud/detail/kd_tree.hpp"
+#include "dynasurf/cloud/detail/level_chain.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
 #include "dynasurf/cloud/detail/open_surface.hpp"
 #include "dynasurf/cloud/detail/prepare.hpp"
 #include "dynasurf/cloud/detail/support.hpp"
 #include "dynasurf/cloud/detail/thesis_recipe.hpp"
-#include "dynasurf/cloud/detail/transfer.hpp"
 #include "dynasurf/cloud/detail/triangle_marks.hpp"
 #include "dynasurf/cloud/detail/words.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
@@ -26,8 +24,6 @@
 
 namespace dynasurf::cloud {
 namespace {
-
-constexpr int most_triangles_within_error = 40960, fewest_triangles = 20;
 
 /// The frame the levels are made in: the cloud's diagonal is 1, its middle 0.
 struct UnitFrame {
@@ -94,8 +90,6 @@ struct FoundBody {
   double side;
   std::vector<IndicatorField> fields;  // that a closed body was chosen from
 };
-
-bool is_open(const Facts& facts) { return facts.boundary != BoundaryRule::close; }
 
 OpenSurface cut_open(const PreparedCloud& p, const IndicatorField& field, const OrientedPoints& fill, double reach,
                      const Options& options) {
@@ -196,110 +190,6 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
   return found;
 }
 
-LevelPlan plan_of(const Options& options, const Facts& facts, std::size_t triangles) {
-  LevelPlan plan = options.method == CloudMethod::faithful ? faithful_plan() : shaped_plan();
-  plan.sharp_deg = options.keep_sharp ? 40 : 60;
-  if (is_noisy(facts)) {
-    // The smaller the triangles against the noise, the more their vertices must share; measured on noisy bodies.
-    const double edge = 1.5 / std::sqrt(triangles);  // of the diagonal, for common bodies
-    plan.noise = facts.noise / facts.diagonal;
-    plan.points_per_triangle *= 2;
-    plan.smoothness += 1400 * own::pow(plan.noise / edge, 5);
-  }
-  return plan;
-}
-
-/// Edges of a boundary go with one triangle each, so an open surface may have one or two less.
-bool has_as_asked(std::size_t triangles, int asked, const Facts& facts) {
-  const std::size_t wanted = asked;
-  return triangles == wanted || (is_open(facts) && triangles < wanted && triangles + 2 >= wanted);
-}
-
-void add_level(Result& result, const PreparedCloud& p, int asked, TriMesh mesh) {
-  auto [certificate, errors] = compare(mesh, p.neighbours);
-  if (!is_open(result.facts) && !certificate.watertight())
-    result.notes.push_back({Severity::failure, "cloud.not_watertight",
-                            "the level of " + std::to_string(asked) + " triangles is not watertight"});
-  if (is_open(result.facts) && !certificate.sound_open())
-    result.notes.push_back({Severity::failure, "cloud.not_sound",
-                            "the level of " + std::to_string(asked) + " triangles is no sound open surface"});
-  if (!has_as_asked(certificate.triangles, asked, result.facts))
-    result.notes.push_back(
-        {Severity::warning, "cloud.triangles",
-         "the level of " + std::to_string(asked) + " triangles has " + std::to_string(certificate.triangles)});
-  auto colours = colours_at_vertices(mesh, p.cloud, p.neighbours);
-  auto confidence = confidences(mesh, {p.cloud.points, p.neighbours, p.facts});
-  result.levels.push_back(
-      {asked, std::move(mesh), certificate, std::move(errors), std::move(confidence), std::move(colours)});
-}
-
-/// What every level is made from.
-struct Fitting {
-  const TriMesh& fine;
-  const mesh::ClosestPoint& on_fine;
-  FitPoints points;               // of the scan and in its holes
-  std::span<const Vec3> scanned;  // of the scan alone
-  const Options& options;
-  const Facts& facts;
-
-  void make(mesh::SurfaceEditor& surface, int triangles) const {
-    make_level(surface, triangles, fine, on_fine, points, plan_of(options, facts, triangles));
-  }
-};
-
-/// Leaves in `surface` the level with the fewest triangles whose points are near enough, and returns their number. The
-/// error falls about as the number grows, so each try starts where the line through the last two, on logarithmic
-/// scales, meets the error asked for.
-int fewest_within(mesh::SurfaceEditor& surface, const Fitting& fitting, double error, Notes& notes,
-                  const Progress& progress) {
-  constexpr int first_try = 1280;
-  constexpr double step = 1.1, as_good = 0.999;
-  struct Try {
-    int count = 0;
-    double error = 0;
-  };
-  // What the lattice could not see, more triangles cannot add.
-  const int most = std::clamp<int>(surface.triangles() / 2 * 2, 1000, most_triangles_within_error);
-  const mesh::SurfaceEditor finest = std::move(surface);
-  std::optional<Try> near, far, last;
-  mesh::SurfaceEditor nearest = finest;
-  int count = std::min(first_try, most);
-  for (;;) {
-    progress.check();
-    mesh::SurfaceEditor tried = near ? nearest : finest;
-    fitting.make(tried, count);
-    const bool is_made = has_as_asked(tried.triangles(), count, fitting.facts);
-    const Try now{count, mean_distance(tried, fitting.scanned)};
-    if (is_made && now.error <= error) {
-      near = now;
-      nearest = std::move(tried);
-    } else {
-      far = now;
-      if (count == most) nearest = std::move(tried);
-    }
-    if (far && far->count == most) {
-      notes.push_back(
-          {Severity::warning, "cloud.max_error",
-           "no level of up to " + std::to_string(most) + " triangles is as near to the points as asked for"});
-      near = far;
-      break;
-    }
-    const int fewest = far ? far->count + 2 : fewest_triangles;
-    if (near && (near->count <= fewest || (far && near->count <= step * far->count + 2))) break;
-    double slope = -1;
-    if (last && last->count != now.count && last->error != now.error)
-      slope = std::clamp(own::log(now.error / last->error) / own::log(1.0 * now.count / last->count), -2.0, -0.3);
-    const double guess = now.count * own::pow(as_good * error / now.error, 1 / slope);
-    const double low = far ? std::sqrt(step) * far->count : fewest_triangles;
-    const double high = near ? near->count / std::sqrt(step) : most;
-    const int next = std::clamp(guess, std::min(low, high), high);
-    count = std::clamp(next / 2 * 2, fewest, near ? near->count - 2 : most);
-    last = now;
-  }
-  surface = std::move(nearest);
-  return near->count;
-}
-
 /// The mesh that becomes the levels, in the frame of `fine`, the surface that was found.
 TriMesh started(const TriMesh& fine, int genus, CloudStart start, bool is_open, Notes& notes,
                 const Progress& progress) {
@@ -317,28 +207,6 @@ TriMesh started(const TriMesh& fine, int genus, CloudStart start, bool is_open, 
   notes.push_back({Severity::warning, "cloud.start",
                    "the starts around the parts of the body run into each other; the field's surface was taken"});
   return fine;
-}
-
-/// A start without the field's own shape may stop before a deep cavity: the points in it lie far from the mesh and near
-/// the field's surface.
-void tell_unreached(const TriMesh& mesh, const Fitting& fitting, Notes& notes) {
-  constexpr double far = 0.01, worth_telling = 0.002;  // of the diagonal; of the points
-  const mesh::ClosestPoint closest(mesh);
-  const std::span<const Vec3> points = fitting.scanned;
-  const double count = parallel_sum(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double distance2 = closest(points[i]).distance2;
-      sum += distance2 > far * far && fitting.on_fine(points[i]).distance2 < 0.25 * distance2;
-    }
-    return sum;
-  });
-  const double share = count / points.size();
-  if (share > worth_telling)
-    notes.push_back({Severity::warning, "cloud.start",
-                     "the start of shape " + std::string(word_of(fitting.options.start)) + " did not reach " +
-                         percent(share) + " of the points, which lie farther than " + percent(far) +
-                         " of the diagonal from its surface"});
 }
 
 /// The points lie farther off the surface that was found than noise and lattice explain: of a wall about as thin as the
@@ -391,22 +259,9 @@ void tell_left_out(const SupportingPoints& of, Result& result) {
   note_outliers(std::count(places.begin(), places.end(), Place::alone), result.notes);
 }
 
-using Publish = std::function<void(TriMesh, int)>;
-
-void make_levels(mesh::SurfaceEditor& surface, const Fitting& fitting, const std::vector<int>& triangles,
-                 const Publish& publish, Notes& notes, const Progress& progress) {
-  for (std::size_t i = 0; i <= triangles.size(); ++i) {
-    progress("levels", i, triangles.size());
-    progress.check();
-    // While a level is made, the one before it is measured: each leaves the other's processor idle at times.
-    TriMesh made = i > 0 ? surface.mesh() : TriMesh{};
-    if (i == 1 && fitting.options.start != CloudStart::automatic && fitting.options.start != CloudStart::field)
-      tell_unreached(made, fitting, notes);
-    parallel_for(2, 1, [&](std::size_t task, std::size_t) {
-      if (task == 0 && i < triangles.size()) fitting.make(surface, triangles[i]);
-      if (task == 1 && i > 0) publish(std::move(made), triangles[i - 1]);
-    });
-  }
+void add(MeasuredLevel made, Result& result) {
+  result.levels.push_back(std::move(made.level));
+  result.notes.insert(result.notes.end(), made.notes.begin(), made.notes.end());
 }
 
 void reconstruct_fitted(const PreparedCloud& p, const Options& options, const std::vector<int>& triangles,
@@ -422,14 +277,17 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
   TriMesh fine = body.mesh;
   for (Vec3& v : fine.vertices) v = frame.in(v);
   using mesh::SurfaceEditor;
+  const auto boundary = is_open(result.facts) ? SurfaceEditor::Boundary::kept : SurfaceEditor::Boundary::none;
   SurfaceEditor surface(started(fine, body.genus, options.start, is_open(result.facts), result.notes, progress),
-                        is_open(result.facts) ? SurfaceEditor::Boundary::kept : SurfaceEditor::Boundary::none);
+                        boundary);
   std::vector<Vec3> points(scanned + found.fill.points.size()), normals(points.size());
   std::optional<mesh::ClosestPoint> on_fine;
   // One processor collapses edges, while the others look how firm the body is and prepare what the fit asks for.
   parallel_for(2, 1, [&](std::size_t task, std::size_t) {
     if (task == 0) {
-      if (!options.max_error_percent) lighten_for_level(surface, most, plan_of(options, p.facts, most));
+      if (options.max_error_percent) return;
+      lighten_for_level(surface, most, plan_of(options, p.facts, most));
+      surface = SurfaceEditor(surface.mesh(), boundary);  // without the places of what is gone
       return;
     }
     if (!found.fields.empty())
@@ -447,18 +305,19 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
   });
   const Fitting fitting{fine, *on_fine, {points, normals}, std::span(points).first(scanned), options, p.facts};
   tell_lost(fitting, found.side, result.notes);
-  const Publish publish = [&](TriMesh mesh, int asked) {
+  const auto measure = [&](TriMesh mesh, int asked) {
     for (Vec3& v : mesh.vertices) v = frame.out(v);
-    add_level(result, p, asked, std::move(mesh));
+    return measure_level(p, result.facts, asked, std::move(mesh));
   };
   if (options.max_error_percent) {
     progress("levels", 0, 1);
     const int fewest = fewest_within(surface, fitting, *options.max_error_percent / 100, result.notes, progress);
-    publish(surface.mesh(), fewest);
+    add(measure(surface.mesh(), fewest), result);
     progress("levels", 1, 1);
     return;
   }
-  make_levels(surface, fitting, triangles, publish, result.notes, progress);
+  for (MeasuredLevel& made : make_levels(std::move(surface), fitting, triangles, measure, progress))
+    add(std::move(made), result);
 }
 
 }  // namespace
@@ -476,7 +335,8 @@ Result reconstruct(PointCloud cloud, const Options& options, const Progress& pro
   if (options.method == CloudMethod::thesis) {
     std::vector<TriMesh> meshes =
         thesis_meshes(prepared.cloud.points, triangles, options.start, result.notes, progress);
-    for (std::size_t i = 0; i < meshes.size(); ++i) add_level(result, prepared, triangles[i], std::move(meshes[i]));
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+      add(measure_level(prepared, result.facts, triangles[i], std::move(meshes[i])), result);
   } else {
     reconstruct_fitted(prepared, options, triangles, result, progress);
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <vector>
 
 #include "dynasurf/cloud/detail/fit.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -17,8 +18,9 @@ struct LevelPlan {
   double raise_deg = 30;             // the smallest angle asked for before the last fit
   double hold_angle_deg = 28.5;      // the fit makes no angle smaller than this
   double smallest_angle_deg = 20.5;  // asked for in the end
-  int last_fits = 4;
-  double sharp_deg = 180;  // edges this sharp keep their vertices
+  int fits = 2;                      // of a round
+  int last_fits = 4;                 // of the last one
+  double sharp_deg = 180;            // edges this sharp keep their vertices
   double hold = 0.005;
   double smoothness = 1e-4;
   double noise = 0;                 // of the points, where it is larger than their spacing
@@ -39,9 +41,32 @@ void make_lighter(mesh::SurfaceEditor& surface, std::size_t triangles);
 /// are not done again.
 void lighten_for_level(mesh::SurfaceEditor& surface, std::size_t triangles, const LevelPlan& plan);
 
-/// Takes `surface` (free of self-intersections) down to `triangles`, with triangles as the plan asks for, fitted to the
-/// points. `fine` is the surface that vertices slide on. Closed, manifold, of the same genus, and free of
-/// self-intersections at the end. Returns the number of triangles, which is larger than asked for where no edge may go.
+/// Takes surfaces (free of self-intersections) down to `triangles`, with triangles as the plan asks for, fitted to the
+/// points. `fine` is the surface that vertices slide on. Closed or open as before, manifold, of the same genus, and
+/// free of self-intersections after each half; with more triangles than asked for where no edge may go.
+class LevelMaker {
+ public:
+  LevelMaker(const TriMesh& fine, const mesh::ClosestPoint& on_fine, const FitPoints& points, std::size_t triangles,
+             const LevelPlan& plan);
+
+  /// All rounds but the last: good enough to make the next level from.
+  void begin(mesh::SurfaceEditor& surface) const;
+  /// The last round.
+  void finish(mesh::SurfaceEditor& surface) const;
+
+ private:
+  FitOptions fitting(int rounds) const;
+  void shape(mesh::SurfaceEditor& surface) const;
+
+  const TriMesh& fine_;
+  const mesh::ClosestPoint& on_fine_;
+  FitPoints points_;
+  std::size_t triangles_;
+  LevelPlan plan_;
+  std::vector<Vec3> some_, normals_;
+};
+
+/// Both halves; returns the number of triangles.
 std::size_t make_level(mesh::SurfaceEditor& surface, std::size_t triangles, const TriMesh& fine,
                        const mesh::ClosestPoint& on_fine, const FitPoints& points, const LevelPlan& plan);
 
