@@ -82,24 +82,33 @@ std::size_t KdTree::nearest(const Vec3& p, std::span<Found> found, double within
   std::array<Waiting, 64> stack;  // one a level, and each level halves the points
   std::size_t depth = 0, count = 0;
   stack[depth++] = {0, 0};
+  // What the stores into `found` cannot change.
+  const std::array<double, 3> place{p[0], p[1], p[2]};
+  const std::span<const Split> splits = splits_;
+  const std::span<const Vec3> points = points_;
+  double farthest2 = within * within;
   while (depth > 0) {
     const Waiting top = stack[--depth];
-    if (top.distance2 > found.back().distance2) continue;
+    if (top.distance2 > farthest2) continue;
     std::size_t node = top.node;
-    while (node < splits_.size()) {
-      const Split& split = splits_[node];
-      const double across = p[split.axis] - split.at;
+    while (node < splits.size()) {
+      const Split& split = splits[node];
+      const double across = place[split.axis] - split.at;
       const std::size_t left = 2 * node + 1;
       stack[depth++] = {across < 0 ? left + 1 : left, std::max(top.distance2, across * across)};
       node = across < 0 ? left : left + 1;
     }
-    const std::size_t leaf = node - splits_.size();
-    for (std::uint32_t i = first_[leaf]; i < first_[leaf + 1]; ++i) {
-      const Found f{(points_[i] - p).squaredNorm(), number(i)};
+    const std::size_t leaf = node - splits.size();
+    for (std::uint32_t i = first_[leaf], end = first_[leaf + 1]; i < end; ++i) {
+      const double x = points[i][0] - place[0], y = points[i][1] - place[1], z = points[i][2] - place[2];
+      const double distance2 = x * x + (y * y + z * z);
+      if (distance2 > farthest2) continue;
+      const Found f{distance2, number(i)};
       if (!(f < found.back())) continue;
       std::size_t k = std::min(count, found.size() - 1);
       for (; k > 0 && f < found[k - 1]; --k) found[k] = found[k - 1];
       found[k] = f;
+      farthest2 = found.back().distance2;
       if (count < found.size()) ++count;
     }
   }
