@@ -1,7 +1,6 @@
 #include "dynasurf/cloud/detail/lattice_equations.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "dynasurf/core/detail/lanes.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -86,7 +85,7 @@ LatticeEquations::LatticeEquations(const Lattice& lattice, const OrientedPoints&
       const std::size_t first = (2 * n + odd) * group;
       for (std::size_t c = slab_of_cells_[std::min(first, slabs)]; c < slab_of_cells_[std::min(first + group, slabs)];
            ++c) {
-        for (std::size_t o = first_of_cell_[c]; o < first_of_cell_[c + 1]; ++o) add_slopes(points, order_[o].second);
+        for (std::size_t o = first_of_cell_[c]; o < first_of_cell_[c + 1]; ++o) add_slopes(points, order_[o].index);
         for (std::size_t m = 0; m < 8; ++m) scale_[cells_[c].at + steps_[m]] += cells_[c].form[9 * m];
       }
     });
@@ -113,33 +112,24 @@ void LatticeEquations::add_slopes(const OrientedPoints& points, std::uint32_t i)
 
 void LatticeEquations::gather_cells(const OrientedPoints& points, double closeness) {
   constexpr std::size_t grain = 1024;
-  constexpr std::size_t nowhere = std::numeric_limits<std::size_t>::max();
   const double scale = closeness / (lattice_.side * lattice_.side);
-  const std::size_t count = points.points.size();
-  // Sorted by where they are, so that slabs of points can be worked on apart.
-  std::vector<Corner> corners(count);
-  order_.resize(count);
-  parallel_for(count, grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const bool is_here = corner_of(lattice_, points.points[i], Vec3::Zero(), corners[i]);
-      order_[i] = {is_here ? corners[i].at : nowhere, i};
-    }
-  });
-  std::sort(order_.begin(), order_.end());
-  while (!order_.empty() && order_.back().first == nowhere) order_.pop_back();
-  // Points of one cell add up to one symmetric form of its eight nodes.
+  // Slabs of points can be worked on apart, and those of one cell add up to one symmetric form of its eight nodes.
+  order_ = by_cell(points.points, lattice_.origin, lattice_.side);
   for (std::size_t o = 0; o < order_.size(); ++o)
-    if (o == 0 || order_[o].first != order_[o - 1].first) first_of_cell_.push_back(o);
+    if (o == 0 || order_[o].cell != order_[o - 1].cell) first_of_cell_.push_back(o);
   cells_.resize(first_of_cell_.size());
   first_of_cell_.push_back(order_.size());
   parallel_for(cells_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      cells_[n] = {order_[first_of_cell_[n]].first, {}};
+      Corner corner;
+      cells_[n].form = {};
       for (std::size_t o = first_of_cell_[n]; o < first_of_cell_[n + 1]; ++o) {
-        const std::uint32_t i = order_[o].second;
+        const std::uint32_t i = order_[o].index;
+        if (!corner_of(lattice_, points.points[i], Vec3::Zero(), corner)) continue;
         const float pull = scale * points.areas[i];
-        add_outer(pull, corners[i].weight, cells_[n].form);
+        add_outer(pull, corner.weight, cells_[n].form);
       }
+      cells_[n].at = corner.at;
     }
   });
   find_slabs_of_cells();

@@ -96,41 +96,52 @@ struct Link {
   bool against;
 };
 
-/// Links of all neighbours in steps of falling clarity.
-std::vector<Link> links_by_clarity(const OrientedPoints& o, const std::vector<Ring>& around) {
-  constexpr std::size_t steps = 1024;
-  const std::size_t n = o.points.size();
-  std::vector<std::uint16_t> step(n * links, steps);
-  std::vector<std::uint8_t> against(n * links, 0);
-  parallel_for(n, orient_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t k = 0; k < links && around[i][k] != none; ++k) {
-        const std::uint32_t j = around[i][k];
-        const Vec3 d = (o.points[j] - o.points[i]).normalized();
-        const double across_i = o.normals[i].dot(d), across_j = o.normals[j].dot(d);
-        // The normal that j would have were it i's mirror image half way between them: the same on a circle.
-        const double agreement = o.normals[i].dot(o.normals[j]) - 2 * across_i * across_j;
-        const double cost = 1 - std::abs(agreement) + 0.5 * std::abs(across_i * across_j);
-        step[i * links + k] = std::clamp(cost, 0.0, 1.0) * (steps - 1);
-        against[i * links + k] = agreement < 0;
-      }
-  });
-  std::vector<std::size_t> first(steps + 2, 0);
-  for (const std::uint16_t s : step) ++first[s + 1u];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<Link> sorted(first[steps]);
-  for (std::size_t e = 0; e < step.size(); ++e) {
-    if (step[e] >= steps) continue;
-    const std::uint32_t from = e / links;
-    const float doubt = step[e];
-    sorted[first[step[e]]++] = {from, around[from][e % links], 1 - doubt / (steps - 1), against[e] != 0};
+/// Links of all neighbours in steps of falling clarity. They are many, so each is told when it is asked for.
+class LinksByClarity {
+ public:
+  LinksByClarity(const OrientedPoints& o, const std::vector<Ring>& around)
+      : around_(around), step_(around.size() * links, steps), against_(step_.size(), 0) {
+    parallel_for(around.size(), orient_grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t k = 0; k < links && around[i][k] != none; ++k) {
+          const std::uint32_t j = around[i][k];
+          const Vec3 d = (o.points[j] - o.points[i]).normalized();
+          const double across_i = o.normals[i].dot(d), across_j = o.normals[j].dot(d);
+          // The normal that j would have were it i's mirror image half way between them: the same on a circle.
+          const double agreement = o.normals[i].dot(o.normals[j]) - 2 * across_i * across_j;
+          const double cost = 1 - std::abs(agreement) + 0.5 * std::abs(across_i * across_j);
+          step_[i * links + k] = std::clamp(cost, 0.0, 1.0) * (steps - 1);
+          against_[i * links + k] = agreement < 0;
+        }
+    });
+    std::vector<std::uint32_t> first(steps + 2, 0);
+    for (const std::uint16_t s : step_) ++first[s + 1u];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    sorted_.resize(first[steps]);
+    for (std::uint32_t e = 0; e < step_.size(); ++e)
+      if (step_[e] < steps) sorted_[first[step_[e]]++] = e;
   }
-  return sorted;
-}
+
+  std::size_t size() const { return sorted_.size(); }
+  Link operator[](std::size_t n) const {
+    const std::uint32_t e = sorted_[n];
+    const float doubt = step_[e];
+    return {e / std::uint32_t{links}, around_[e / links][e % links], 1 - doubt / (steps - 1), against_[e] != 0};
+  }
+
+ private:
+  static constexpr std::size_t steps = 1024;
+
+  const std::vector<Ring>& around_;
+  std::vector<std::uint16_t> step_;
+  std::vector<std::uint8_t> against_;
+  std::vector<std::uint32_t> sorted_;
+};
 
 /// Joins sets by what all links between them say in sum, the clearest sum first (greedy additive contraction, Keuper et
-/// al. 2015): around the rim of a noisy wall no single link can be trusted, but most of them are right.
-void join_by_sums(std::span<const Link> links_left, Turns& turns) {
+/// al. 2015): around the rim of a noisy wall no single link can be trusted, but most of them are right. Looks at the
+/// links `from` on.
+void join_by_sums(const LinksByClarity& all, std::size_t from, Turns& turns) {
   struct Pair {
     float sum;  // below 0: against each other
     std::uint32_t a, b;
@@ -140,7 +151,8 @@ void join_by_sums(std::span<const Link> links_left, Turns& turns) {
     }
   };
   std::unordered_map<std::uint32_t, std::unordered_map<std::uint32_t, float>> between;
-  for (const Link& l : links_left) {
+  for (; from < all.size(); ++from) {
+    const Link l = all[from];
     std::uint8_t of_a = 0, of_b = 0;
     const std::uint32_t a = turns.find(l.a, of_a), b = turns.find(l.b, of_b);
     if (a == b) continue;
@@ -179,10 +191,10 @@ void turn_together(OrientedPoints& o, const std::vector<Ring>& around, const std
       first_known = std::min(first_known, i);
     }
   constexpr float clear = 0.98f;
-  const std::vector<Link> all = links_by_clarity(o, around);
-  const auto doubtful = std::find_if(all.begin(), all.end(), [&](const Link& l) { return l.clarity < clear; });
-  std::for_each(all.begin(), doubtful, [&](const Link& l) { turns.join(l.a, l.b, l.against); });
-  join_by_sums(std::span(doubtful, all.end()), turns);
+  const LinksByClarity all(o, around);
+  std::size_t n = 0;
+  for (; n < all.size() && all[n].clarity >= clear; ++n) turns.join(all[n].a, all[n].b, all[n].against);
+  join_by_sums(all, n, turns);
   std::vector<std::uint32_t> sheet_of(o.points.size(), none);
   o.sheet.resize(o.points.size());
   for (std::uint32_t i = 0; i < o.points.size(); ++i) {

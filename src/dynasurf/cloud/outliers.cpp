@@ -39,6 +39,16 @@ Company company_of(const std::vector<Vec3>& points, const KdTree& neighbours) {
 
 /// The first point of the set that each point hangs together with.
 std::vector<std::uint32_t> sets_of(const std::vector<Ring>& around) {
+  // Of each ring those that have the point in theirs too, and come before it.
+  std::vector<std::uint8_t> both(around.size(), 0);
+  static_assert(stray_ring <= 8);
+  parallel_for(around.size(), ring_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t k = 0; k < stray_ring; ++k) {
+        const std::uint32_t j = around[i][k];
+        if (j < i && std::find(around[j].begin(), around[j].end(), i) != around[j].end()) both[i] |= 1U << k;
+      }
+  });
   std::vector<std::uint32_t> first(around.size());
   std::iota(first.begin(), first.end(), 0u);
   const auto root = [&](std::uint32_t i) {
@@ -46,9 +56,9 @@ std::vector<std::uint32_t> sets_of(const std::vector<Ring>& around) {
     return i;
   };
   for (std::uint32_t i = 0; i < around.size(); ++i)
-    for (const std::uint32_t j : around[i]) {
-      if (j >= i || std::find(around[j].begin(), around[j].end(), i) == around[j].end()) continue;
-      const std::uint32_t a = root(i), b = root(j);
+    for (std::size_t k = 0; k < stray_ring; ++k) {
+      if (!(both[i] & 1U << k)) continue;
+      const std::uint32_t a = root(i), b = root(around[i][k]);
       first[std::max(a, b)] = std::min(a, b);
     }
   for (std::uint32_t i = 0; i < around.size(); ++i) first[i] = root(i);
@@ -123,11 +133,13 @@ void drop_scattered(const std::vector<Vec3>& points, const Company& c, double fa
 std::vector<std::uint8_t> parts_of_surfaces(const std::vector<Vec3>& points, const KdTree& neighbours, double factor) {
   const Company c = company_of(points, neighbours);
   std::vector<std::uint8_t> kept(points.size(), 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    double usual = 0;
-    for (const std::uint32_t j : c.around[i]) usual += c.distance[j] / stray_ring;
-    kept[i] = c.distance[i] <= factor * usual;
-  }
+  parallel_for(points.size(), ring_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      double usual = 0;
+      for (const std::uint32_t j : c.around[i]) usual += c.distance[j] / stray_ring;
+      kept[i] = c.distance[i] <= factor * usual;
+    }
+  });
   drop_scattered(points, c, 0.5 * factor, kept);
   return kept;
 }

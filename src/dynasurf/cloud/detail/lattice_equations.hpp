@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "dynasurf/cloud/detail/by_cell.hpp"
 #include "dynasurf/cloud/detail/lattice.hpp"
 #include "dynasurf/cloud/detail/orient.hpp"
 #include "dynasurf/core/progress.hpp"
@@ -20,7 +21,7 @@ struct Runs {
 /// its value to 0. The lattice must outlive them.
 class LatticeEquations {
  public:
-  /// `closeness`: how strongly values at the points are pulled to 0.
+  /// The points lie within the lattice. `closeness`: how strongly values at the points are pulled to 0.
   LatticeEquations(const Lattice& lattice, const OrientedPoints& points, double closeness);
 
   /// At the nodes of `runs`, from the start in `x`, by conjugate gradients with the diagonal as preconditioner. Once.
@@ -46,9 +47,9 @@ class LatticeEquations {
   std::array<std::size_t, 8> steps_;
   Values right_, scale_;  // the right side; the diagonal, one over it where it is solved for
   std::vector<Cell> cells_;
-  std::vector<std::pair<std::size_t, std::uint32_t>> order_;  // the points by cells, until they are added up
-  std::vector<std::size_t> first_of_cell_;                    // in that order, and the end
-  std::vector<std::size_t> slab_of_cells_;                    // where the cells of each slab begin, and the end
+  std::vector<InCell> order_;               // the points by cells, until they are added up
+  std::vector<std::size_t> first_of_cell_;  // in that order, and the end
+  std::vector<std::size_t> slab_of_cells_;  // where the cells of each slab begin, and the end
 };
 
 }  // namespace dynasurf::cloud
