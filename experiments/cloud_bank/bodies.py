@@ -144,6 +144,71 @@ def tunnelled(count):
     return minus(ball((0, 0, 0), 1), *ways)
 
 
+def turned(value, turn, axis=2):
+    """The body turned around an axis by so many radians."""
+    i, j = [n for n in range(3) if n != axis]
+    matrix = numpy.eye(3)
+    matrix[[i, i, j, j], [i, j, i, j]] = numpy.cos(turn), -numpy.sin(turn), numpy.sin(turn), numpy.cos(turn)
+    return lambda p: value(p @ matrix)
+
+
+def wire(places, radius):
+    return union(*[capsule(a, b, radius) for a, b in zip(places, places[1:])])
+
+
+def helix(turns, radius):
+    t = numpy.linspace(0, 2 * numpy.pi * turns, 20 * turns + 1)
+    return wire(numpy.stack([0.6 * numpy.cos(t), 0.6 * numpy.sin(t), -0.9 + 1.8 * t / t[-1]], 1), radius)
+
+
+def knot(radius):
+    t = numpy.linspace(0, 2 * numpy.pi, 73)
+    return wire(0.36 * numpy.stack([numpy.sin(t) + 2 * numpy.sin(2 * t), numpy.cos(t) - 2 * numpy.cos(2 * t), -1.5 * numpy.sin(3 * t)], 1), radius)
+
+
+def comb(teeth, thick):
+    return union(box((1, 0.15, thick), centre=(0, -0.5, 0)),
+                 *[box((thick, 0.5, thick), centre=(x, 0, 0)) for x in numpy.linspace(-0.9, 0.9, teeth)])
+
+
+def tray(wall):
+    return minus(box((1, 0.7, 0.25), 0.05), box((1 - wall, 0.7 - wall, 0.25), centre=(0, 0, wall)))
+
+
+def ladder(rungs, radius):
+    rails = [capsule((x, -1.2, 0), (x, 1.2, 0), radius) for x in (-0.35, 0.35)]
+    return union(*rails, *[capsule((-0.35, y, 0), (0.35, y, 0), radius) for y in numpy.linspace(-0.9, 0.9, rungs)])
+
+
+def hand(radius):
+    fingers = [capsule((x, 0.2, 0), (1.6 * x, 1.0 - x * x, 0), radius) for x in numpy.linspace(-0.42, 0.42, 4)]
+    return smooth_union(0.02, box((0.5, 0.5, 0.14), 0.1, (0, -0.2, 0)), capsule((0.4, -0.3, 0), (0.95, 0.1, 0.15), radius), *fingers)
+
+
+def propeller(blades, thick):
+    blade = turned(box((0.5, 0.16, thick), centre=(0.6, 0, 0)), 0.4, 0)
+    return union(pillar(0.18, 0.2), *[turned(blade, 2 * numpy.pi * n / blades) for n in range(blades)])
+
+
+def later():
+    """Bodies made after all limits of the program were set: none of their scans was looked at before."""
+    yield from ((f"helix {n} {r}", helix(n, r), (1,), 0) for n, r in ((2, 0.12), (3, 0.06)))
+    yield from ((f"knot {r}", knot(r), (1,), 1) for r in (0.14, 0.07))
+    yield from ((f"comb {n} {t}", comb(n, t), (1,), 0) for n, t in ((5, 0.08), (8, 0.04)))
+    yield from ((f"tray {w}", tray(w), (1,), 0) for w in (0.12, 0.06, 0.03))
+    yield from ((f"ladder {n} {r}", ladder(n, r), (1,), n - 1) for n, r in ((3, 0.1), (6, 0.05)))
+    yield from ((f"hand {r}", hand(r), (1,), 0) for r in (0.11, 0.07))
+    yield from ((f"propeller {n} {t}", propeller(n, t), (1,), 0) for n, t in ((3, 0.06), (5, 0.025)))
+    yield from ((f"dumbbell {r}", union(ball((-0.7, 0, 0), 0.4), ball((0.7, 0, 0), 0.3), capsule((-0.7, 0, 0), (0.7, 0, 0), r)), (1,), 0)
+                for r in (0.12, 0.05))
+    yield from ((f"frame {t}", minus(box((1, 0.8, t)), box((0.8, 0.6, 1))), (1,), 1) for t in (0.1, 0.04))
+    yield from ((f"lens {d}", both(ball((0, 0, -d), 1), ball((0, 0, d), 1)), (1,), 0) for d in (0.6, 0.85))
+    yield from ((f"cup {w}", minus(pillar(0.45, 0.9), pillar(0.45 - w, 0.9, (0, 0, w))), (1,), 0) for w in (0.1, 0.05))
+    yield "jack", union(*[capsule(-0.9 * e, 0.9 * e, 0.14) for e in numpy.eye(3)]), (1,), 0
+    yield "bag", union(box((0.6, 0.3, 0.5), 0.1, (0, 0, -0.4)), torus(0.4, 0.06, (0, 0, 0.05), 1)), (1,), 1
+    yield "wedge", both(box((0.8, 0.5, 0.6)), lambda p: (p[:, 2] + 0.75 * p[:, 0]) / 1.25), (1,), 0
+    yield "two boxes", union(box((0.4, 0.5, 0.5), centre=(-0.42, 0, 0)), box((0.4, 0.5, 0.5), centre=(0.42, 0, 0))), (2,), 0
+
 
 def solids():
     """(name, function, the numbers of parts that are right, handles)"""

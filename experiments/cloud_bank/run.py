@@ -3,6 +3,7 @@
 import argparse
 import concurrent.futures
 import hashlib
+import itertools
 import json
 import pathlib
 import subprocess
@@ -103,7 +104,7 @@ def all_bodies(arguments):
     """(name, what makes its dense surface, the numbers of parts that are right and the handles: None of open ones)"""
     for name, handles in PHANTOMS.items():
         yield f"phantom {name}", (lambda name=name: phantom_surface(arguments.program, name)), ((1,), handles)
-    for name, value, parts, handles in bodies.solids():
+    for name, value, parts, handles in itertools.chain(bodies.solids(), bodies.later()):
         yield name, (lambda value=value: bodies.points_on(value, REFERENCE, 7)), (parts, handles)
     for name, value, keep in bodies.sheets():
         yield name, (lambda value=value, keep=keep: bodies.points_on(value, REFERENCE, 7, keep)), ((1,), None)
@@ -164,10 +165,14 @@ def summary(rows):
         share(sum(w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(map(bool, wrongs(some)))) +
         f" | {sum(not w for w in wrongs(some))} | " +
         share(sum(not w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(not w for w in wrongs(some))) + " |")
-    tell("bodies the limits were chosen on", [r for r in rows if r["body"].startswith(CHOSEN_ON)])
-    tell("the others", [r for r in rows if not r["body"].startswith(CHOSEN_ON)])
-    for condition in CONDITIONS:
-        tell(f"the others, {condition}", [r for r in rows if not r["body"].startswith(CHOSEN_ON) and r["condition"] == condition])
+    new = {name for name, *_ in bodies.later()}
+    groups = {"bodies the limits were chosen on": [r for r in rows if r["body"].startswith(CHOSEN_ON)],
+              "the others": [r for r in rows if not r["body"].startswith(CHOSEN_ON) and r["body"] not in new],
+              "bodies made after the limits were set": [r for r in rows if r["body"] in new]}
+    for label, some in groups.items():
+        tell(label, some)
+        for condition in CONDITIONS if label != "bodies the limits were chosen on" else ():
+            tell(f"{label}, {condition}", [r for r in some if r["condition"] == condition])
     return lines
 
 
