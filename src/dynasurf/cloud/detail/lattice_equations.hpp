@@ -24,7 +24,8 @@ class LatticeEquations {
   /// The points lie within the lattice. `closeness`: how strongly values at the points are pulled to 0.
   LatticeEquations(const Lattice& lattice, const OrientedPoints& points, double closeness);
 
-  /// At the nodes of `runs`, from the start in `x`, by conjugate gradients with the diagonal as preconditioner. Once.
+  /// At the nodes of `runs`, from the start in `x`, by conjugate gradients with the diagonal as preconditioner. May be
+  /// called once.
   void solve(Runs runs, std::vector<float>& x, int iterations, const Progress& progress);
 
  private:
