@@ -18,7 +18,7 @@ constexpr std::size_t samples = 20000, sample_grain = 256;
 
 // What right results of the bank (experiments/cloud_bank) stay within.
 constexpr double most_made_up = 0.01, farthest_made_up = 0.05, most_points_off = 0.02, most_left_out = 0.001,
-                 most_turned = 0.01, most_thin = 0.02, most_biased = 0.02, least_firm = 0.8;
+                 most_turned = 0.01, most_thin = 0.02, most_biased = 0.02, least_firm = 0.6;
 
 /// How many times farther apart than usual the points are around one of them, from 1 to 4.
 double sparseness(const KdTree& cloud, const Vec3& point, double spacing) {
