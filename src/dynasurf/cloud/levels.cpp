@@ -87,7 +87,7 @@ LevelMaker::LevelMaker(const TriMesh& fine, const mesh::ClosestPoint& on_fine, c
 
 void LevelMaker::begin(mesh::SurfaceEditor& surface) const {
   if (triangles_ <= few && surface.triangles() > 3 * triangles_)
-    LevelMaker(fine_, on_fine_, points_, 2 * triangles_, plan_).begin(surface);
+    make_level(surface, 2 * triangles_, fine_, on_fine_, points_, plan_);
   const TraceStage noted("levels: begin");
   if (surface.triangles() < triangles_) mesh::refine(surface, triangles_ + triangles_ / 2);
   collapse(surface, triangles_, plan_);
