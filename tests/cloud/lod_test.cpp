@@ -284,6 +284,13 @@ TEST(LodTransition, StaysOnItsOwnSideOfAThinPlate) {
     }
 }
 
+TEST(StartDistance, IsNothingAtAllWhereTrianglesAreCutInFour) {
+  const TriMesh coarse = mesh::icosphere(1), fine = mesh::icosphere(2);
+  const StartDistance cut = start_distance(lod_transition(coarse, fine), coarse);
+  EXPECT_EQ(cut.mean, 0);
+  EXPECT_EQ(cut.largest, 0);
+}
+
 TEST(LodTransition, RefusesMeshesWithoutTriangles) {
   EXPECT_THROW(lod_transition({}, mesh::icosphere(1)), InputError);
   EXPECT_THROW(lod_transition(mesh::icosphere(1), {}), InputError);

@@ -386,6 +386,7 @@ LodTransition lod_transition(const TriMesh& coarse, const TriMesh& fine) {
 }
 
 StartDistance start_distance(const LodTransition& transition, const TriMesh& coarse) {
+  if (!parents_of(coarse, transition.fine).empty()) return {};  // middles of edges lie on them
   const TriMesh begin{transition.start, transition.fine.triangles};
   const StartDistance there = distance_between(begin, coarse), back = distance_between(coarse, begin);
   return {(there.mean + back.mean) / 2, std::max(there.largest, back.largest)};
