@@ -191,7 +191,7 @@ def propeller(blades, thick):
 
 
 def later():
-    """Bodies made after all limits of the program were set: none of their scans was looked at before."""
+    """Bodies made after most limits of the program were set."""
     yield from ((f"helix {n} {r}", helix(n, r), (1,), 0) for n, r in ((2, 0.12), (3, 0.06)))
     yield from ((f"knot {r}", knot(r), (1,), 1) for r in (0.14, 0.07))
     yield from ((f"comb {n} {t}", comb(n, t), (1,), 0) for n, t in ((5, 0.08), (8, 0.04)))
@@ -208,6 +208,120 @@ def later():
     yield "bag", union(box((0.6, 0.3, 0.5), 0.1, (0, 0, -0.4)), torus(0.4, 0.06, (0, 0, 0.05), 1)), (1,), 1
     yield "wedge", both(box((0.8, 0.5, 0.6)), lambda p: (p[:, 2] + 0.75 * p[:, 0]) / 1.25), (1,), 0
     yield "two boxes", union(box((0.4, 0.5, 0.5), centre=(-0.42, 0, 0)), box((0.4, 0.5, 0.5), centre=(0.42, 0, 0))), (2,), 0
+
+
+def half_spaces(*planes):
+    """Within planes, each told by its normal and its distance from the middle."""
+    normals, offsets = numpy.array([p[0] for p in planes], float), numpy.array([p[1] for p in planes], float)
+    sizes = numpy.linalg.norm(normals, axis=1)
+    return lambda p: (p @ (normals / sizes[:, None]).T - offsets).max(1)
+
+
+def cone(low, high, r_low, r_high):
+    """Around z from `low` to `high`."""
+    slope = (r_high - r_low) / (high - low)
+
+    def value(p):
+        side = (length(p[:, :2]) - r_low - slope * (p[:, 2] - low)) / numpy.hypot(1, slope)
+        return numpy.maximum(side, numpy.maximum(low - p[:, 2], p[:, 2] - high))
+    return value
+
+
+def crystal(seed, count):
+    normals = numpy.random.default_rng(seed).normal(size=(count, 3))
+    return half_spaces(*[(n, 0.7) for n in normals], *[(s * e, 0.9) for e in numpy.eye(3) for s in (-1, 1)])
+
+
+def chair(leg):
+    legs = [capsule((x, y, -1), (x, y, -0.1), leg) for x in (-0.4, 0.4) for y in (-0.4, 0.4)]
+    return union(box((0.5, 0.5, leg), 0.02, (0, 0, -0.1)), box((0.5, leg, 0.5), 0.02, (0, 0.45, 0.4)), *legs)
+
+
+def grid_plate(count, thick):
+    places = 0.9 * (2 * numpy.arange(count) + 1 - count) / count
+    return minus(box((1, 1, thick), 0.2 * thick), *[box((0.5 / count, 0.5 / count, 1), centre=(x, y, 0)) for x in places for y in places])
+
+
+def wheel(spokes, radius):
+    turns = 2 * numpy.pi * numpy.arange(spokes) / spokes
+    return union(torus(0.9, 1.5 * radius), pillar(0.2, 0.12), *[capsule((0, 0, 0), (0.9 * numpy.cos(t), 0.9 * numpy.sin(t), 0), radius) for t in turns])
+
+
+def bottle(wall):
+    outer = smooth_union(0.03, cone(-0.9, 0.3, 0.45, 0.45), cone(0.25, 0.5, 0.45, 0.18), cone(0.45, 0.95, 0.18, 0.18))
+    inner = smooth_union(0.03, cone(-0.9 + wall, 0.3, 0.45 - wall, 0.45 - wall), cone(0.25, 0.5, 0.45 - wall, 0.18 - wall),
+                         cone(0.45, 1.2, 0.18 - wall, 0.18 - wall))
+    return minus(outer, inner)
+
+
+def fork(radius):
+    tines = [capsule((x, 0.3, 0), (x, 1, 0), radius) for x in numpy.linspace(-0.24, 0.24, 4)]
+    return union(capsule((0, -1.1, 0), (0, 0.1, 0), 1.4 * radius), box((0.24 + radius, 0.12, radius), centre=(0, 0.2, 0)), *tines)
+
+
+def spectacles(radius):
+    bows = [capsule((s * 0.9, 0, 0), (s * 0.9, 0, -1), radius) for s in (-1, 1)]
+    return union(torus(0.38, radius, (-0.52, 0, 0)), torus(0.38, radius, (0.52, 0, 0)), capsule((-0.15, 0, 0), (0.15, 0, 0), radius), *bows)
+
+
+def snow(radius):
+    parts = []
+    for t in numpy.pi / 3 * numpy.arange(6):
+        at = lambda r, turn: r * numpy.array([numpy.cos(t + turn), numpy.sin(t + turn), 0])
+        parts += [capsule((0, 0, 0), at(1, 0), radius)]
+        parts += [capsule(at(0.6, 0), at(0.6, 0) + at(0.3, turn), radius) for turn in (-numpy.pi / 3, numpy.pi / 3)]
+    return union(*parts)
+
+
+def screw(turns):
+    t = numpy.linspace(0, 2 * numpy.pi * turns, 20 * turns + 1)
+    thread = numpy.stack([0.22 * numpy.cos(t), 0.22 * numpy.sin(t), -0.9 + 1.2 * t / t[-1]], 1)
+    return union(pillar(0.22, 0.8, (0, 0, -0.2)), pillar(0.42, 0.12, (0, 0, 0.7)), wire(thread, 0.06))
+
+
+def pitted(count):
+    random = numpy.random.default_rng(3)
+    ways = random.normal(size=(count, 3))
+    return minus(ball((0, 0, 0), 0.9), *[ball(0.95 * w / numpy.linalg.norm(w), random.uniform(0.1, 0.25)) for w in ways])
+
+
+def aerofoil(thick):
+    return both(both(ball((0, 0, 0), 1.3), box((0.5, 1, 1))), lambda p: (numpy.abs(p[:, 2]) - thick * (0.5 - p[:, 0])) / numpy.hypot(1, thick))
+
+
+def latest():
+    """Bodies made after all limits of the program were set: none of their scans was looked at before."""
+    yield "roof", half_spaces(((0, 0, -1), 0.3), ((1, 0, 1), 0.3), ((-1, 0, 1), 0.3), ((0, 1, 0), 0.9), ((0, -1, 0), 0.9)), (1,), 0
+    yield "double cone", union(cone(-1, 0, 0.01, 0.5), cone(0, 1, 0.5, 0.01)), (1,), 0
+    yield from ((f"disc {t}", pillar(0.9, t), (1,), 0) for t in (0.06, 0.03))
+    yield from ((f"hollow ball {w}", shell(ball((0, 0, 0), 0.9), w), (2,), 0) for w in (0.2, 0.08))
+    yield from ((f"chair {r}", chair(r), (1,), 0) for r in (0.09, 0.05))
+    yield from ((f"grid plate {n} {t}", grid_plate(n, t), (1,), n * n) for n, t in ((2, 0.12), (3, 0.06)))
+    yield "arch", both(torus(0.7, 0.2, (0, 0, -0.4), 1), half_spaces(((0, 0, -1), 0.4))), (1,), 0
+    yield "spool", union(pillar(0.7, 0.06, (0, 0, -0.5)), pillar(0.7, 0.06, (0, 0, 0.5)), pillar(0.25, 0.5)), (1,), 0
+    yield "key", union(torus(0.3, 0.08, (0, 0.8, 0)), capsule((0, 0.5, 0), (0, -0.9, 0), 0.09), box((0.18, 0.06, 0.06), centre=(0.2, -0.8, 0)),
+                       box((0.15, 0.06, 0.06), centre=(0.17, -0.55, 0))), (1,), 1
+    yield from ((f"bottle {w}", bottle(w), (1,), 0) for w in (0.09, 0.05))
+    yield from ((f"pan {w}", union(minus(pillar(0.6, 0.15), pillar(0.6 - w, 0.15, (0, 0, w))), capsule((0.58, 0, 0), (1.3, 0, 0.05), 0.07)), (1,), 0)
+                for w in (0.1, 0.05))
+    yield from ((f"fork {r}", fork(r), (1,), 0) for r in (0.07, 0.04))
+    yield from ((f"spectacles {r}", spectacles(r), (1,), 2) for r in (0.07, 0.04))
+    yield "basket", union(minus(pillar(0.6, 0.3, (0, 0, -0.3)), pillar(0.5, 0.3, (0, 0, -0.2))), both(torus(0.55, 0.06, (0, 0, -0.1), 1),
+                                                                                                  half_spaces(((0, 0, -1), 0.1)))), (1,), 1
+    yield from ((f"crystal {n}", crystal(n, n), (1,), 0) for n in (7, 16))
+    yield "screw", screw(6), (1,), 0
+    yield from ((f"aerofoil {t}", aerofoil(t), (1,), 0) for t in (0.25, 0.1))
+    yield from ((f"snow {r}", snow(r), (1,), 0) for r in (0.09, 0.05))
+    yield from ((f"wheel {n} {r}", wheel(n, r), (1,), n) for n, r in ((4, 0.1), (7, 0.05)))
+    yield "pitted ball", pitted(24), (1,), 0
+    yield "stairs", union(*[box((0.2, 0.5, 0.1 * n), centre=(-0.9 + 0.36 * n, 0, 0.1 * n - 0.5)) for n in range(1, 6)]), (1,), 0
+    yield "two rings", union(torus(0.5, 0.12, (0, 0, -0.2)), torus(0.5, 0.12, (0, 0, 0.2))), (2,), 2
+    yield from ((f"band {w}", minus(pillar(0.9, 0.25), pillar(0.9 - w, 1)), (1,), 1) for w in (0.12, 0.06))
+    yield from ((f"bracket {t}", minus(union(box((0.6, 0.4, t), centre=(0, 0, -0.6)), box((t, 0.4, 0.6), centre=(-0.6 + t, 0, 0))),
+                                       pillar(0.15, 2, (0.15, 0, 0))), (1,), 1) for t in (0.1, 0.05))
+    yield from ((f"funnel {w}", minus(cone(-0.8, 0.8, 0.2, 0.9), cone(-0.81, 0.81, 0.2 - w, 0.9 - w)), (1,), 1) for w in (0.12, 0.07))
+    yield "corrugated", both(lambda p: (numpy.abs(p[:, 2] - 0.15 * numpy.sin(8 * p[:, 0])) - 0.06) / 1.4, box((1, 0.6, 1))), (1,), 0
+    yield "three balls", union(*[ball((0.8 * n, 0, 0), 0.35) for n in (-1, 0, 1)]), (3,), 0
 
 
 def solids():

@@ -23,10 +23,8 @@ PHANTOMS = {"sphere": 0, "ellipsoid": 0, "torus": 1, "two_torus": 2, "cube": 0, 
 CONDITIONS = {"clean": (20000, 0, 0, 0), "sparse": (4000, 0, 0, 0), "noise": (20000, 0.5, 0, 0), "hole": (20000, 0, 15, 0),
               "outliers": (20000, 0, 0, 1)}
 MEASURES = {"points_off_percent": 1, "points_off_mean_ratio": 1, "points_left_out_percent": 1, "biased_percent": 1, "made_up_percent": 1,
-            "made_up_largest_percent": 1, "turned_percent": 1, "thin_percent": 1, "firm_percent": -1}
+            "made_up_largest_percent": 1, "turned_percent": 1, "gaps_percent": 1, "firm_percent": -1}
 REFERENCE = 80000
-# The bodies whose scans were looked at when the limits of the program were set.
-CHOSEN_ON = ("phantom ", "rounded box ", "bowl 0.15")
 
 
 def read_ply(path):
@@ -104,7 +102,7 @@ def all_bodies(arguments):
     """(name, what makes its dense surface, the numbers of parts that are right and the handles: None of open ones)"""
     for name, handles in PHANTOMS.items():
         yield f"phantom {name}", (lambda name=name: phantom_surface(arguments.program, name)), ((1,), handles)
-    for name, value, parts, handles in itertools.chain(bodies.solids(), bodies.later()):
+    for name, value, parts, handles in itertools.chain(bodies.solids(), bodies.later(), bodies.latest()):
         yield name, (lambda value=value: bodies.points_on(value, REFERENCE, 7)), (parts, handles)
     for name, value, keep in bodies.sheets():
         yield name, (lambda value=value, keep=keep: bodies.points_on(value, REFERENCE, 7, keep)), ((1,), None)
@@ -158,6 +156,10 @@ def share(count, of):
     return f"{count} of {of} ({100 * count / max(of, 1):.0f} %)"
 
 
+def is_new(row):
+    return row["body"] in {name for name, *_ in bodies.latest()}
+
+
 def summary(rows):
     lines = ["| | scans | wrong | of them not ok | right | of them flagged |", "|---|---|---|---|---|---|"]
     tell = lambda label, some: lines.append(
@@ -165,13 +167,11 @@ def summary(rows):
         share(sum(w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(map(bool, wrongs(some)))) +
         f" | {sum(not w for w in wrongs(some))} | " +
         share(sum(not w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(not w for w in wrongs(some))) + " |")
-    new = {name for name, *_ in bodies.later()}
-    groups = {"bodies the limits were chosen on": [r for r in rows if r["body"].startswith(CHOSEN_ON)],
-              "the others": [r for r in rows if not r["body"].startswith(CHOSEN_ON) and r["body"] not in new],
-              "bodies made after the limits were set": [r for r in rows if r["body"] in new]}
+    groups = {"bodies the limits were chosen on": [r for r in rows if not is_new(r)],
+              "bodies made after the limits were set": [r for r in rows if is_new(r)]}
     for label, some in groups.items():
         tell(label, some)
-        for condition in CONDITIONS if label != "bodies the limits were chosen on" else ():
+        for condition in CONDITIONS:
             tell(f"{label}, {condition}", [r for r in some if r["condition"] == condition])
     return lines
 
@@ -182,7 +182,7 @@ def wrongs(rows):
 
 def limits(rows):
     """Of each measure, on the bodies to choose on: what 99 % of the right scans stay within, and how many wrong ones do not."""
-    chosen = [r for r in rows if r["body"].startswith(CHOSEN_ON) and "support" in r]
+    chosen = [r for r in rows if not is_new(r) and "support" in r]
     right, wrong = [r for r in chosen if not r["wrong"]], [r for r in chosen if r["wrong"]]
     lines = []
     for measure, sign in MEASURES.items():

@@ -108,6 +108,40 @@ TEST(Support, TwoBallsThatTouchAreBothThereOrTold) {
   EXPECT_TRUE(both || verdict_of(result) != Verdict::ok);
 }
 
+// The points stand for squares with sides of 2.8 % of the edges of the cubes, and the gap is 3 % wide.
+TEST(Support, AGapAsNarrowAsThePointsIsTold) {
+  PointCloud cloud = synthetic::make_cloud({.shape = synthetic::CloudShape::cube, .points = 8000}), other = cloud;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : cloud.points) box.extend(p);
+  for (Vec3& p : other.points) cloud.points.push_back(p + 1.03 * box.sizes()[0] * Vec3::UnitX());
+  const Result result = reconstructed(cloud);
+  EXPECT_GT(result.support.gaps, 0.02);
+  EXPECT_TRUE(warns(result, "cloud.gaps"));
+  EXPECT_EQ(reconstructed(synthetic::make_cloud({.points = 4000})).support.gaps, 0);
+}
+
+// Both sides of a plate that is thinner than its points lie apart are told by their directions.
+TEST(Support, AThinPlateIsOk) {
+  const Result result = reconstructed(synthetic::make_cloud({.shape = synthetic::CloudShape::plate, .points = 4000}));
+  EXPECT_GT(result.support.thin, 0.5);
+  EXPECT_LT(result.support.gaps, 0.01);
+  EXPECT_EQ(verdict_of(result), Verdict::ok);
+  const auto is_told = [](const Note& n) { return n.code == "cloud.thin" && n.severity == Severity::info; };
+  EXPECT_TRUE(std::any_of(result.notes.begin(), result.notes.end(), is_told));
+}
+
+TEST(Support, AThinSheetThatCameOutOpenIsTold) {
+  CloudSupport support;
+  support.thin = 0.03;
+  ASSERT_EQ(doubts_of(support, true).size(), 1u);
+  EXPECT_EQ(doubts_of(support, true)[0].severity, Severity::warning);
+  EXPECT_EQ(doubts_of(support, false)[0].severity, Severity::info);
+  support.gaps = 0.03;
+  ASSERT_EQ(doubts_of(support, false).size(), 1u);
+  EXPECT_EQ(doubts_of(support, false)[0].code, "cloud.gaps");
+  EXPECT_EQ(doubts_of(support, false)[0].severity, Severity::warning);
+}
+
 /// The unit sphere, with points up to `longest` off it: along a thorn, or anywhere.
 PointCloud sphere_with(std::size_t count, double longest, bool is_thorn) {
   PointCloud cloud = synthetic::make_cloud({.points = 20000});

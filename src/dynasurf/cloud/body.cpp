@@ -200,19 +200,44 @@ Body choose_body(const std::vector<IndicatorField>& fields, std::span<const Vec3
 }
 
 double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3> points, double smallest_share,
-                   const BodyTopology& kind) {
+                   const BodyTopology& kind, double reach) {
   constexpr std::array<double, 5> levels{0, -0.1, 0.1, -0.2, 0.2};
-  const std::size_t asked = levels.size() * std::min<std::size_t>(fields.size(), 2);
-  const double same = parallel_sum(asked, 1, [&](std::size_t begin, std::size_t end) {
+  constexpr double most_passed_by = 0.02;
+  enum class Says : std::uint8_t { same, other, nothing };
+  std::vector<Says> says(levels.size() * std::min<std::size_t>(fields.size(), 2));
+  parallel_for(says.size(), 1, [&](std::size_t n, std::size_t) {
+    const IndicatorField& field = fields[fields.size() - 1 - n / levels.size()];
+    const double level = levels[n % levels.size()];
+    const TriMesh mesh = body_surface(field, level, points, smallest_share);
+    if (!mesh.triangles.empty() && kind_of(mesh) == kind)
+      says[n] = Says::same;
+    else
+      says[n] = share_passed_by(field, level, points, reach) > most_passed_by ? Says::nothing : Says::other;
+  });
+  const double same = std::count(says.begin(), says.end(), Says::same);
+  const double other = std::count(says.begin(), says.end(), Says::other);
+  return same + other > 0 ? same / (same + other) : 1;
+}
+
+double share_passed_by(const IndicatorField& field, double level, std::span<const Vec3> points, double reach) {
+  constexpr std::size_t samples = 4000;
+  std::vector<Vec3> probes;
+  for (int a = 0; a < 3; ++a)
+    for (const double to : {-reach, reach}) probes.push_back(to * Vec3::Unit(a));
+  for (int n = 0; n < 8; ++n)
+    probes.push_back(reach * Vec3(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1).normalized());
+  const std::size_t step = std::max<std::size_t>(1, points.size() / samples), asked = points.size() / step;
+  const double passed_by = parallel_sum(asked, 256, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
-    for (std::size_t n = begin; n < end; ++n) {
-      const IndicatorField& field = fields[fields.size() - 1 - n / levels.size()];
-      const TriMesh mesh = body_surface(field, levels[n % levels.size()], points, smallest_share);
-      sum += !mesh.triangles.empty() && kind_of(mesh) == kind;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& p = points[i * step];
+      const bool is_inside = value_at(field, p) > level;
+      sum += std::all_of(probes.begin(), probes.end(),
+                         [&](const Vec3& probe) { return (value_at(field, p + probe) > level) == is_inside; });
     }
     return sum;
   });
-  return same / asked;
+  return asked > 0 ? passed_by / asked : 0;
 }
 
 }  // namespace dynasurf::cloud

@@ -170,18 +170,22 @@ OrientedPoints merged(const OrientedPoints& all, double cell, const Vec3& origin
 
 }  // namespace
 
-Vec3 outwards(const IndicatorField& field, const Vec3& place) {
+double value_at(const IndicatorField& field, const Vec3& place) {
   const Lattice l{field.value.grid.dims, field.side, field.origin};
+  Corner c;
+  if (!corner_of(l, place, Vec3::Zero(), c)) return outside;
   const std::array<std::size_t, 8> steps = steps_of(l);
-  const auto at = [&](const Vec3& p) -> double {
-    Corner c;
-    if (!corner_of(l, p, Vec3::Zero(), c)) return outside;
-    double sum = 0;
-    for (std::size_t n = 0; n < 8; ++n) sum += c.weight[n] * double{field.value.values[c.at + steps[n]]};
-    return sum;
-  };
+  double sum = 0;
+  for (std::size_t n = 0; n < 8; ++n) sum += c.weight[n] * double{field.value.values[c.at + steps[n]]};
+  return sum;
+}
+
+Vec3 outwards(const IndicatorField& field, const Vec3& place) {
   Vec3 down;
-  for (int a = 0; a < 3; ++a) down[a] = at(place - field.side * Vec3::Unit(a)) - at(place + field.side * Vec3::Unit(a));
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 step = field.side * Vec3::Unit(a);
+    down[a] = value_at(field, place - step) - value_at(field, place + step);
+  }
   const double length = down.norm();
   return length > 0 ? Vec3(down / length) : Vec3::Zero();
 }

@@ -291,8 +291,8 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
       return;
     }
     if (!found.fields.empty())
-      result.support.firm =
-          firmness_of(found.fields, p.cloud.points, options.smallest_part_percent / 100, {body.parts, body.genus});
+      result.support.firm = firmness_of(found.fields, p.cloud.points, options.smallest_part_percent / 100,
+                                        {body.parts, body.genus}, 1.5 * std::max(found.side, 2 * p.facts.noise));
     found.fields = {};
     on_fine.emplace(fine);
     parallel_for(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -343,7 +343,7 @@ Result reconstruct(PointCloud cloud, const Options& options, const Progress& pro
   const SupportingPoints used{prepared.cloud.points, prepared.neighbours, prepared.facts};
   tell_left_out(used, result);
   measure_support(result.levels.front(), used, result.support);
-  const Notes doubts = doubts_of(result.support);
+  const Notes doubts = doubts_of(result.support, is_open(result.facts));
   result.notes.insert(result.notes.end(), doubts.begin(), doubts.end());
   result.used = std::move(prepared.cloud);
   return result;

@@ -144,27 +144,30 @@ void measure_bias(const Level& level, const SupportingPoints& of, const mesh::Cl
   support.biased = 1.0 * biased / asked;
 }
 
-/// The other side of the surface lies nearer than the points, their noise or the lattice tell apart.
+/// The other side of the surface lies nearer than the points, their noise or the lattice tell apart: through the body,
+/// as of a wall, or through the space outside, as of a gap.
 void measure_thin(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
                   CloudSupport& support) {
   constexpr double of_noise = 4, of_spacing = 1.5, of_cell = 1.5;
+  enum class Other : std::uint8_t { none, inside, outside };
   const TriMesh& mesh = level.mesh;
   const double thin = std::max({of_noise * of.facts.noise, of_spacing * of.facts.spacing, of_cell * support.cell});
   const std::vector<mesh::SurfaceSample> places = mesh::sample_surface(mesh, samples / 4);
   if (places.empty()) return;
-  const double near = parallel_sum(places.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
+  std::vector<Other> others(places.size(), Other::none);
+  parallel_for(places.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 facing = normal_of(mesh, places[i].triangle), place = mesh::position_of(mesh, places[i]);
       const auto faces_another = [&](double along) {  // from half way the other side is the nearer one
         const mesh::SurfacePoint other = closest(place + along * facing);
         return other.distance2 < 0.9 * along * along && normal_of(mesh, other.triangle).dot(facing) < -0.5;
       };
-      sum += faces_another(-0.5 * thin) || faces_another(0.5 * thin);
+      others[i] = faces_another(0.5 * thin) ? Other::outside : faces_another(-0.5 * thin) ? Other::inside : Other::none;
     }
-    return sum;
   });
-  support.thin = near / places.size();
+  const double count = places.size(), walls = std::count(others.begin(), others.end(), Other::inside);
+  support.gaps = std::count(others.begin(), others.end(), Other::outside) / count;
+  support.thin = support.gaps + walls / count;
 }
 
 }  // namespace
@@ -225,7 +228,7 @@ bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::C
   return as_far >= enough;
 }
 
-Notes doubts_of(const CloudSupport& s) {
+Notes doubts_of(const CloudSupport& s, bool is_open) {
   Notes notes;
   const auto warn = [&](bool is_doubtful, const char* code, const std::string& message) {
     if (is_doubtful) notes.push_back({Severity::warning, code, message});
@@ -243,10 +246,16 @@ Notes doubts_of(const CloudSupport& s) {
        percent(s.biased) + " of the points lie together on one side of the surface: walls or cavities are lost");
   warn(s.turned > most_turned, "cloud.directions",
        "the surface runs against the direction found for " + percent(s.turned) + " of the points");
-  warn(s.thin > most_thin, "cloud.thin",
-       percent(s.thin) +
-           " of the surface has its other side nearer than the points tell apart: walls, gaps and "
-           "cavities there are uncertain");
+  const bool has_gaps = s.gaps > most_thin;
+  warn(
+      has_gaps, "cloud.gaps",
+      percent(s.gaps) +
+          " of the surface has another part of it nearer than the points tell apart, across a gap: the two may be one");
+  // Of a closed wall the points show both sides; what came out open may be a thin body that is closed.
+  if (s.thin > most_thin && !has_gaps)
+    notes.push_back({is_open ? Severity::warning : Severity::info, "cloud.thin",
+                     percent(s.thin) + " of the surface has its other side nearer than the points tell apart: " +
+                         (is_open ? "the body may be closed and thin" : "walls there are thin")});
   warn(s.firm < least_firm, "cloud.handles",
        "only " + percent(s.firm) + " of the surfaces around the chosen one have its parts and handles");
   return notes;

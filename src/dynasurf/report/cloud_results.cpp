@@ -123,6 +123,7 @@ Json support_json(const cloud::CloudSupport& s) {
   json["made_up_largest_percent"] = number(100 * s.made_up_largest);
   json["turned_percent"] = number(100 * s.turned);
   json["thin_percent"] = number(100 * s.thin);
+  json["gaps_percent"] = number(100 * s.gaps);
   json["firm_percent"] = number(100 * s.firm);
   return json;
 }

@@ -66,6 +66,7 @@ export interface CloudResults extends Pick<Results, "provenance" | "timings_s" |
     made_up_largest_percent: number | null;
     turned_percent: number | null;
     thin_percent: number | null;
+    gaps_percent: number | null;
     firm_percent: number | null;
   };
   notes: NoteText[];

@@ -127,7 +127,7 @@ function showCloud(place: HTMLElement, results: CloudResults): void {
     [say("Parts, handles"), say("{parts}, {handles}; so at {share} of the levels around", { parts: c.parts, handles: c.genus, share: percent(s.firm_percent) })],
     [say("Points off the surface"), say("{share}; far off: {far}", { share: percent(s.points_off_percent), far: percent(s.points_left_out_percent) })],
     [say("Surface made up"), say("{share}, up to {far} of the diagonal from the points", { share: percent(s.made_up_percent), far: percent(s.made_up_largest_percent) })],
-    [say("Surface too thin to tell"), percent(s.thin_percent)],
+    [say("Thin walls and gaps"), say("{share}; gaps: {gaps}", { share: percent(s.thin_percent), gaps: percent(s.gaps_percent) })],
     [say("Directions in doubt"), percent(s.turned_percent)],
   ];
   place.replaceChildren(html("dl", {}, ...rows.flatMap(([name, value]) => [html("dt", {}, name), html("dd", {}, value)])));

@@ -51,8 +51,13 @@ void turn_upwards(Body& body);
 Body choose_body(const std::vector<IndicatorField>& fields, std::span<const Vec3> points, const Options& options,
                  Notes& notes, const std::optional<BodyTopology>& expected = {});
 
-/// The share of surfaces at five levels, up to 0.2 off, of the two finest fields that have these parts and handles.
+/// How sure parts and handles are. Surfaces at five levels, up to 0.2 off, of the two finest fields are looked at; the
+/// share of those that have this kind, among them and those of another kind that the points do not contradict.
+/// Surfaces that leave over 2 % of the points farther than `reach` away are contradicted. 1 where none is left.
 double firmness_of(std::span<const IndicatorField> fields, std::span<const Vec3> points, double smallest_share,
-                   const BodyTopology& kind);
+                   const BodyTopology& kind, double reach);
+
+/// The share of the points that the field's surface at `level` passes at more than `reach`, by probes in 14 directions.
+double share_passed_by(const IndicatorField& field, double level, std::span<const Vec3> points, double reach);
 
 }  // namespace dynasurf::cloud

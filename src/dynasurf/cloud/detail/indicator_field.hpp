@@ -13,6 +13,9 @@ struct IndicatorField {
   Vec3 origin{0, 0, 0};
 };
 
+/// The value at a place of the cloud's frame, between the nodes; -0.5 beyond the lattice.
+double value_at(const IndicatorField& field, const Vec3& place);
+
 /// Direction outwards at a place of the cloud's frame: down the field's slope. Zero where there is none.
 Vec3 outwards(const IndicatorField& field, const Vec3& place);
 

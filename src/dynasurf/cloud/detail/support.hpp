@@ -31,7 +31,7 @@ bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::C
 /// known from the search for the body. The same for any number of threads.
 void measure_support(const Level& finest, const SupportingPoints& cloud, CloudSupport& support);
 
-/// The notes of severity warning and failure that the measures give reason for.
-Notes doubts_of(const CloudSupport& support);
+/// The notes that the measures give reason for, warnings but for thin walls of a closed surface.
+Notes doubts_of(const CloudSupport& support, bool is_open);
 
 }  // namespace dynasurf::cloud
