@@ -14,6 +14,7 @@
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/option_tree.hpp"
+#include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/synthetic/cloud_shapes.hpp"
 #include "dynasurf/synthetic/detail/random.hpp"
 

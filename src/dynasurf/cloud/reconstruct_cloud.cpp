@@ -9,6 +9,7 @@
 #include "dynasurf/cloud/detail/deform_start.hpp"
 #include "dynasurf/cloud/detail/dimension.hpp"
 #include "dynasurf/cloud/detail/flat_lids.hpp"
+#include "dynasurf/cloud/detail/free_sides.hpp"
 #include "dynasurf/cloud/detail/holes.hpp"
 #include "dynasurf/cloud/detail/level_chain.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
@@ -137,6 +138,14 @@ void tell_choice(double one_way, bool is_open, Notes& notes) {
                        " less than " + percent(open_from)});
 }
 
+/// The directions of the points, the fields that they lead to, and what closes those fields' holes.
+struct Inside {
+  OrientedPoints oriented;
+  std::vector<IndicatorField> fields;
+  std::optional<HoleFill> fill;
+  bool is_open() const { return fill && fill->is_open; }
+};
+
 FoundBody find_body(const PreparedCloud& p, const Options& options, int triangles, Result& result,
                     const Progress& progress) {
   const int cells = cells_for(p.facts, p.cloud.points, options, triangles);
@@ -145,20 +154,27 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
   const double side = box.sizes().maxCoeff() / cells;
   const bool noisy = is_noisy(p.facts);
   const double thin_cell = std::max(0.5 * side, noisy ? 2 * p.facts.noise : 0);
-  OrientedPoints oriented = oriented_points(p, options, thin_cell);
-  progress.check();
-  std::vector<IndicatorField> fields = solve_indicator(oriented, {.cells = cells}, progress);
+  const double reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise;
+  const auto look_inside = [&](OrientedPoints points) {
+    progress.check();
+    Inside in{std::move(points), {}, {}};
+    in.fields = solve_indicator(in.oriented, {.cells = cells}, progress);
+    if (options.boundary != BoundaryRule::trim)
+      in.fill = fill_holes(in.fields.back(), in.oriented,
+                           {.reach = reach,
+                            .spacing = 0.7 * side,
+                            .smallest_share = options.smallest_part_percent / 100,
+                            .may_join = options.genus != GenusRule::zero,
+                            .boundary = options.boundary});
+    return in;
+  };
+  Inside in = look_inside(oriented_points(p, options, thin_cell));
+  if (options.boundary == BoundaryRule::automatic && in.is_open())
+    if (auto turned = turned_to_free_sides(in.oriented, 2 * thin_cell))
+      if (Inside other = look_inside(std::move(*turned)); !other.is_open()) in = std::move(other);
+  auto& [oriented, fields, fill] = in;
   result.facts.cells = cells;
   result.support.cell = side;
-  const double reach = 2.5 * std::max(p.facts.spacing, thin_cell) + 2 * p.facts.noise;
-  std::optional<HoleFill> fill;
-  if (options.boundary != BoundaryRule::trim)
-    fill = fill_holes(fields.back(), oriented,
-                      {.reach = reach,
-                       .spacing = 0.7 * side,
-                       .smallest_share = options.smallest_part_percent / 100,
-                       .may_join = options.genus != GenusRule::zero,
-                       .boundary = options.boundary});
   if (fill && options.boundary == BoundaryRule::automatic) tell_choice(fill->one_way, fill->is_open, result.notes);
   const bool gets_flat_lids = options.lid == LidRule::flat && fill && !fill->is_open && fill->holes > 0;
   if (fill && (!fill->is_open || fill->holes > 0)) {
