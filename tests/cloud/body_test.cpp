@@ -53,7 +53,8 @@ TEST(Body, TellsPointsThatASurfacePassesBy) {
 
 TEST(Body, IsFirmWherePointsContradictWhatIsElse) {
   const std::vector<Vec3> points = sphere();
-  const std::vector<IndicatorField> alike{ball(none), ball(none)}, torn{ball(10), ball(none)}, pricked{ball(3), ball(none)};
+  const std::vector<IndicatorField> alike{ball(none), ball(none)}, torn{ball(10), ball(none)},
+      pricked{ball(3), ball(none)};
   EXPECT_EQ(firmness_of(alike, points, 0.01, {1, 0}, 1.5), 1);
   EXPECT_EQ(firmness_of(alike, points, 0.01, {1, 1}, 1.5), 0) << "no surface is of this kind";
   EXPECT_EQ(firmness_of(torn, points, 0.01, {1, 0}, 1.5), 1) << "13 % of the points lie in the mouths";

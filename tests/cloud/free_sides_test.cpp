@@ -48,6 +48,14 @@ TEST(FreeSides, TurnWhatRaysContradict) {
   for (std::size_t i = 0; i < turned->points.size(); ++i)
     ASSERT_GT(turned->normals[i].dot(turned->points[i]), 0.99) << i;
   EXPECT_FALSE(turned_to_free_sides(points_of(false), cell)) << "a sheet has no side that is free alone";
+  // Of this cap 52 % of the points have another one opposite.
+  OrientedPoints cap;
+  for (const Vec3& p : ball.points)
+    if (p.z() > -0.35) {
+      cap.points.push_back(p);
+      cap.normals.push_back(-p);
+    }
+  EXPECT_FALSE(turned_to_free_sides(cap, cell)) << "too few tell";
 }
 
 /// Between z = -0.25 (0.5 - x) and 0.25 (0.5 - x), within a ball: its faces meet at 28 degrees.
@@ -81,6 +89,12 @@ TEST(FreeSides, CloseABodyWithASharpEdge) {
   EXPECT_TRUE(c.watertight());
   EXPECT_EQ(c.components, 1);
   EXPECT_EQ(c.genus, 0);
+}
+
+TEST(FreeSides, AreNotAskedWhereDirectionsAreGiven) {
+  PointCloud up = wing();
+  up.normals.assign(up.points.size(), Vec3::UnitZ());
+  EXPECT_EQ(reconstruct(up, {}).facts.boundary, BoundaryRule::keep);
 }
 
 }  // namespace

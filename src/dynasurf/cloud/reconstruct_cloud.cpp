@@ -169,7 +169,8 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int triangle
     return in;
   };
   Inside in = look_inside(oriented_points(p, options, thin_cell));
-  if (options.boundary == BoundaryRule::automatic && in.is_open())
+  const bool has_directions = options.use_normals && !p.cloud.normals.empty();
+  if (options.boundary == BoundaryRule::automatic && in.is_open() && !has_directions)
     if (auto turned = turned_to_free_sides(in.oriented, 2 * thin_cell))
       if (Inside other = look_inside(std::move(*turned)); !other.is_open()) in = std::move(other);
   auto& [oriented, fields, fill] = in;

@@ -50,7 +50,8 @@ struct CloudSupport {
   double turned = 0;           // share of the points whose direction was found against the surface
   double thin = 0;             // share of its area with the other side nearer than the points or the lattice resolve
   double gaps = 0;             // of that, the share whose other side is nearer through the space outside
-  // Share of the surfaces at levels and lattices around it with its parts and handles; 1 for an open one.
+  // Of the surfaces at levels and lattices around it that the points do not contradict, the share with its parts and
+  // handles; 1 for an open one.
   double firm = 1;
   double cell = 0;  // side of the lattice that the body was found on; 0: none
 };
