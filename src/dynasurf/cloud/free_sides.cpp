@@ -34,7 +34,7 @@ class Occupied {
  private:
   std::optional<std::size_t> cell_of(const Vec3& p) const {
     std::size_t index = 0;
-    for (std::size_t a = 3; a-- > 0;) {
+    for (const std::size_t a : {2, 1, 0}) {
       const double at = (p[a] - low_[a]) / cell_;
       if (!(at >= 0) || at >= counts_[a]) return std::nullopt;
       index = index * counts_[a] + static_cast<std::size_t>(at);
