@@ -143,7 +143,7 @@ class Marching {
     for (std::size_t w = 0; w < words_; ++w) {
       std::uint64_t any = 0, all = ~std::uint64_t{0};
       for (const std::uint64_t* row : rows) {
-        const std::uint64_t next = row[w] >> 1 | (w + 1 < words_ ? row[w + 1] << 63 : 0);
+        const std::uint64_t next = row[w] >> 1 | (w + 1 < words_ ? (row[w + 1] & 1) << 63 : 0);
         any |= row[w] | next;
         all &= row[w] & next;
       }
