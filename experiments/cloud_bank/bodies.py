@@ -290,7 +290,7 @@ def aerofoil(thick):
 
 
 def latest():
-    """Bodies made after all limits of the program were set: none of their scans was looked at before."""
+    """Bodies made after all limits of the verdict were set."""
     yield "roof", half_spaces(((0, 0, -1), 0.3), ((1, 0, 1), 0.3), ((-1, 0, 1), 0.3), ((0, 1, 0), 0.9), ((0, -1, 0), 0.9)), (1,), 0
     yield "double cone", union(cone(-1, 0, 0.01, 0.5), cone(0, 1, 0.5, 0.01)), (1,), 0
     yield from ((f"disc {t}", pillar(0.9, t), (1,), 0) for t in (0.06, 0.03))

@@ -25,6 +25,7 @@ CONDITIONS = {"clean": (20000, 0, 0, 0), "sparse": (4000, 0, 0, 0), "noise": (20
 MEASURES = {"points_off_percent": 1, "points_off_mean_ratio": 1, "points_left_out_percent": 1, "biased_percent": 1, "made_up_percent": 1,
             "made_up_largest_percent": 1, "turned_percent": 1, "gaps_percent": 1, "firm_percent": -1}
 REFERENCE = 80000
+NEW = {name for name, *_ in bodies.latest()}
 
 
 def read_ply(path):
@@ -156,10 +157,6 @@ def share(count, of):
     return f"{count} of {of} ({100 * count / max(of, 1):.0f} %)"
 
 
-def is_new(row):
-    return row["body"] in {name for name, *_ in bodies.latest()}
-
-
 def summary(rows):
     lines = ["| | scans | wrong | of them not ok | right | of them flagged |", "|---|---|---|---|---|---|"]
     tell = lambda label, some: lines.append(
@@ -167,8 +164,8 @@ def summary(rows):
         share(sum(w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(map(bool, wrongs(some)))) +
         f" | {sum(not w for w in wrongs(some))} | " +
         share(sum(not w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(not w for w in wrongs(some))) + " |")
-    groups = {"bodies the limits were chosen on": [r for r in rows if not is_new(r)],
-              "bodies made after the limits were set": [r for r in rows if is_new(r)]}
+    groups = {"bodies the limits were chosen on": [r for r in rows if r["body"] not in NEW],
+              "bodies made after the limits were set": [r for r in rows if r["body"] in NEW]}
     for label, some in groups.items():
         tell(label, some)
         for condition in CONDITIONS:
@@ -182,7 +179,7 @@ def wrongs(rows):
 
 def limits(rows):
     """Of each measure, on the bodies to choose on: what 99 % of the right scans stay within, and how many wrong ones do not."""
-    chosen = [r for r in rows if not is_new(r) and "support" in r]
+    chosen = [r for r in rows if r["body"] not in NEW and "support" in r]
     right, wrong = [r for r in chosen if not r["wrong"]], [r for r in chosen if r["wrong"]]
     lines = []
     for measure, sign in MEASURES.items():
