@@ -5,3 +5,4 @@
 #include "dynasurf/cloud/options.hpp"
 #include "dynasurf/cloud/reconstruct_cloud.hpp"
 #include "dynasurf/cloud/result.hpp"
+#include "dynasurf/cloud/stage_cache.hpp"

@@ -10,3 +10,4 @@
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/reconstruct.hpp"
 #include "dynasurf/ventricle/result.hpp"
+#include "dynasurf/ventricle/stage_cache.hpp"

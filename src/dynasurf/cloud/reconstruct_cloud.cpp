@@ -11,6 +11,7 @@
 #include "dynasurf/cloud/detail/flat_lids.hpp"
 #include "dynasurf/cloud/detail/free_sides.hpp"
 #include "dynasurf/cloud/detail/holes.hpp"
+#include "dynasurf/cloud/detail/kept_stages.hpp"
 #include "dynasurf/cloud/detail/level_chain.hpp"
 #include "dynasurf/cloud/detail/levels.hpp"
 #include "dynasurf/cloud/detail/open_surface.hpp"
@@ -84,14 +85,6 @@ OrientedPoints oriented_points(const PreparedCloud& p, const Options& options, d
   return oriented;
 }
 
-/// The body, the points that close its holes, and the side of the finest lattice's cells.
-struct FoundBody {
-  Body body;
-  OrientedPoints fill;
-  double side;
-  std::vector<IndicatorField> fields;  // that a closed body was chosen from
-};
-
 OpenSurface cut_open(const PreparedCloud& p, const IndicatorField& field, const OrientedPoints& fill, double reach,
                      const Options& options) {
   return open_surface(
@@ -146,9 +139,8 @@ struct Inside {
   bool is_open() const { return fill && fill->is_open; }
 };
 
-FoundBody find_body(const PreparedCloud& p, const Options& options, int triangles, Result& result,
+FoundBody find_body(const PreparedCloud& p, const Options& options, int cells, Result& result,
                     const Progress& progress) {
-  const int cells = cells_for(p.facts, p.cloud.points, options, triangles);
   Eigen::AlignedBox3d box;
   for (const Vec3& q : p.cloud.points) box.extend(q);
   const double side = box.sizes().maxCoeff() / cells;
@@ -281,9 +273,25 @@ void add(MeasuredLevel made, Result& result) {
   result.notes.insert(result.notes.end(), made.notes.begin(), made.notes.end());
 }
 
+/// The body that was kept of the same, or that is found.
+FoundBody body_of(const PreparedCloud& p, const Options& options, StageCache::Kept* kept, Result& result,
+                  const Progress& progress) {
+  const int cells = cells_for(p.facts, p.cloud.points, options, options.triangles.front());
+  if (kept == nullptr) return find_body(p, options, cells, result, progress);
+  BodyStage stage = kept->body(options_up_to(Stage::body, options) + std::to_string(cells), [&] {
+    Result told = result;
+    FoundBody found = find_body(p, options, cells, told, progress);
+    return BodyStage{std::move(found), told.facts, told.support, std::move(told.notes)};
+  });
+  result.facts = stage.facts;
+  result.support = stage.support;
+  result.notes = std::move(stage.notes);
+  return std::move(stage.found);
+}
+
 void reconstruct_fitted(const PreparedCloud& p, const Options& options, const std::vector<int>& triangles,
-                        Result& result, const Progress& progress) {
-  FoundBody found = find_body(p, options, triangles.front(), result, progress);
+                        StageCache::Kept* kept, Result& result, const Progress& progress) {
+  FoundBody found = body_of(p, options, kept, result, progress);
   const Body& body = found.body;
   result.facts.parts = body.parts;
   result.facts.genus = body.genus;
@@ -339,30 +347,36 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
 
 }  // namespace
 
-Result reconstruct(PointCloud cloud, const Options& options, const Progress& progress) {
+Result reconstruct(PointCloud cloud, const Options& options, const Progress& progress, StageCache* cache) {
   check(options);
   const std::vector<int>& triangles = options.triangles;
+  StageCache::Kept* const kept = cache == nullptr ? nullptr : &cache->kept();
+  if (kept != nullptr) kept->begin(cloud);
   progress("points", 0, 1);
-  PreparedCloud prepared = prepare(std::move(cloud), options, progress);
+  const auto prepare_points = [&] {
+    return std::make_shared<PreparedCloud>(prepare(std::move(cloud), options, progress));
+  };
+  const std::shared_ptr<PreparedCloud> prepared =
+      kept == nullptr ? prepare_points() : kept->points(options_up_to(Stage::points, options), prepare_points);
   progress("points", 1, 1);
   Result result;
-  result.facts = prepared.facts;
-  result.notes = prepared.notes;
-  check_surface(prepared.cloud.points, result.notes);
+  result.facts = prepared->facts;
+  result.notes = prepared->notes;
+  check_surface(prepared->cloud.points, result.notes);
   if (options.method == CloudMethod::thesis) {
     std::vector<TriMesh> meshes =
-        thesis_meshes(prepared.cloud.points, triangles, options.start, result.notes, progress);
+        thesis_meshes(prepared->cloud.points, triangles, options.start, result.notes, progress);
     for (std::size_t i = 0; i < meshes.size(); ++i)
-      add(measure_level(prepared, result.facts, triangles[i], std::move(meshes[i])), result);
+      add(measure_level(*prepared, result.facts, triangles[i], std::move(meshes[i])), result);
   } else {
-    reconstruct_fitted(prepared, options, triangles, result, progress);
+    reconstruct_fitted(*prepared, options, triangles, kept, result, progress);
   }
-  const SupportingPoints used{prepared.cloud.points, prepared.neighbours, prepared.facts};
+  const SupportingPoints used{prepared->cloud.points, prepared->neighbours, prepared->facts};
   tell_left_out(used, result);
   measure_support(result.levels.front(), used, result.support);
   const Notes doubts = doubts_of(result.support, is_open(result.facts));
   result.notes.insert(result.notes.end(), doubts.begin(), doubts.end());
-  result.used = std::move(prepared.cloud);
+  result.used = kept == nullptr ? std::move(prepared->cloud) : prepared->cloud;
   return result;
 }
 

@@ -22,6 +22,7 @@ struct Note {
   std::string message;  // one sentence in plain words, with the values
   int gate = -1;        // 0-based, -1: not about one gate
   int slice = -1;       // 0-based in the canonical (apex first) order, -1: not about one slice
+  bool operator==(const Note&) const = default;
 };
 
 /// All that there is to tell, in the order it came up.

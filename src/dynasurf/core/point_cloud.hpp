@@ -15,6 +15,7 @@ struct PointCloud {
   std::vector<Vec3> normals;                         // any length but 0, outwards
   std::vector<std::array<std::uint8_t, 3>> colours;  // sRGB
   std::vector<std::uint32_t> scans;                  // which scan a point comes from
+  bool operator==(const PointCloud&) const = default;
 };
 
 /// Points of the heart's muscle that were followed over the beat, as tags or markers show them (FUT-TAGGED). World

@@ -51,6 +51,7 @@ struct Study {
   Notes notes;
 
   const Grid& grid() const { return gates.front().grid; }
+  bool operator==(const Study&) const = default;
 };
 
 /// Width of what a collimated camera sees of a point: FWHM² = intrinsic² + (aperture + growth d)² at the distance d

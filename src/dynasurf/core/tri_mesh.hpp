@@ -11,6 +11,7 @@ namespace dynasurf {
 struct TriMesh {
   std::vector<Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  bool operator==(const TriMesh&) const = default;
 };
 
 /// The mesh moved from the grid frame to the world. A left-handed grid would turn the surface inside out, so the

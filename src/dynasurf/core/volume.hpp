@@ -24,6 +24,7 @@ struct Volume {
     return (*this)(std::clamp(i, 0, grid.dims[0] - 1), std::clamp(j, 0, grid.dims[1] - 1),
                    std::clamp(k, 0, grid.dims[2] - 1));
   }
+  bool operator==(const Volume&) const = default;
 };
 
 /// Voxels with values; and voxels that are in (1) or out (0).

@@ -65,15 +65,14 @@ void end_as_said(const Result& result, const UserOverrides& manual, psf_fit::Fit
 }
 
 /// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
-std::optional<psf_fit::FitStart> fit_start_of(Result& result, bool is_asked_for) {
+std::optional<psf_fit::FitStart> fit_start_of(const Result& result, bool is_asked_for, Notes& notes) {
   psf_fit::FitStart start;
   for (const Gate& gate : result.gates) {
     const EdgeSurfaces& edge = gate.edge_surfaces;
     if (!edge.endo || !edge.epi || edge.endo->volume_ml <= 0 || edge.wall_ml.value_or(0) <= 0) {
       if (is_asked_for)
-        result.notes.push_back(
-            {Severity::info, "fit.no_walls",
-             "no PSF-corrected volumes: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
+        notes.push_back({Severity::info, "fit.no_walls",
+                         "no PSF-corrected volumes: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
       return std::nullopt;
     }
     start.endo.push_back(edge.endo->mesh);
@@ -100,10 +99,10 @@ LeadingSurfaces surfaces_of(const EdgeSurfaces& edge) {
 }
 
 /// Border points are told to the fit alone.
-void tell_unused_points(const Options& options, Result& result) {
+void tell_unused_points(const Options& options, Notes& notes) {
   if (options.manual.endo_points.empty() && options.manual.epi_points.empty()) return;
-  result.notes.push_back({Severity::warning, "points.without_fit",
-                          "options manual.endo_points and manual.epi_points had no effect: there is no fit"});
+  notes.push_back({Severity::warning, "points.without_fit",
+                   "options manual.endo_points and manual.epi_points had no effect: there is no fit"});
 }
 
 }  // namespace
@@ -137,32 +136,37 @@ void measure_cycle(Result& result) {
   if (wall.size() > 1) result.wall_variation = heart::coefficient_of_variation(wall);
 }
 
-void read_otherwise(const Study& original, const std::optional<Mask>& looked_at, const Options& all,
-                    const Progress& progress, StageClock& clock, Result& result) {
+OtherReadings read_otherwise(const Study& original, const std::optional<Mask>& looked_at, const Options& all,
+                             const Progress& progress, StageClock& clock, const Result& result) {
   const psf_fit::BlurFit& options = all.fit;
-  std::optional<psf_fit::FitStart> start = fit_start_of(result, options.run);
-  if (!start) return tell_unused_points(all, result);
-  start->looked_at = looked_at;
-  auto& profile = result.readings.gaussian_profile;
-  profile = clock("readings", [&] { return psf_fit::read_gaussian_profile(original, *start); });
-  if (profile && !is_plausible(*profile, result.gates)) {
-    profile.reset();
-    result.notes.push_back({Severity::info, "readings.no_gaussian",
-                            "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
+  OtherReadings readings;
+  auto& [beat, profile, notes] = readings;
+  std::optional<psf_fit::FitStart> start = fit_start_of(result, options.run, notes);
+  if (start) {
+    start->looked_at = looked_at;
+    profile = clock("readings", [&] { return psf_fit::read_gaussian_profile(original, *start); });
+    if (profile && !is_plausible(*profile, result.gates)) {
+      profile.reset();
+      notes.push_back({Severity::info, "readings.no_gaussian",
+                       "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
+    }
   }
-  if (!options.run) return tell_unused_points(all, result);
+  if (!start || !options.run) {
+    tell_unused_points(all, notes);
+    return readings;
+  }
   // What is usual of edges was learned of these, and behind gamma cameras.
   if (all.pipeline == Pipeline::surface && original.modality != "PT")
     for (const Gate& gate : result.gates) start->edge_ml.push_back(gate.edge_surfaces.endo->volume_ml);
   end_as_said(result, all.manual, *start);
   start->points = wall_points(all.manual, original);
-  auto& beat = result.readings.psf_corrected;
   beat = clock("fit", [&] { return psf_fit::fit_through_blur(original, *start, options, progress); });
-  result.notes.insert(result.notes.end(), beat->notes.begin(), beat->notes.end());
-  if (is_plausible(*beat, result.gates)) return;
+  notes.insert(notes.end(), beat->notes.begin(), beat->notes.end());
+  if (is_plausible(*beat, result.gates)) return readings;
   beat.reset();
-  result.notes.push_back({Severity::warning, "fit.lost",
-                          "no PSF-corrected volumes: the fit diverged from the edge surfaces and was discarded"});
+  notes.push_back({Severity::warning, "fit.lost",
+                   "no PSF-corrected volumes: the fit diverged from the edge surfaces and was discarded"});
+  return readings;
 }
 
 void choose_leading(Result& result) {

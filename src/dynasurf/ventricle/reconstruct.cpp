@@ -7,7 +7,6 @@
 
 #include "dynasurf/core/detail/fill_gates.hpp"
 #include "dynasurf/core/detail/format.hpp"
-#include "dynasurf/core/detail/stage_clock.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/dynamics/detail/damping.hpp"
@@ -15,12 +14,12 @@
 #include "dynasurf/ventricle/detail/border_planes.hpp"
 #include "dynasurf/ventricle/detail/canonical.hpp"
 #include "dynasurf/ventricle/detail/cycle.hpp"
-#include "dynasurf/ventricle/detail/gate_run.hpp"
 #include "dynasurf/ventricle/detail/hot_objects.hpp"
 #include "dynasurf/ventricle/detail/quality.hpp"
 #include "dynasurf/ventricle/detail/readings.hpp"
 #include "dynasurf/ventricle/detail/region.hpp"
 #include "dynasurf/ventricle/detail/relabel.hpp"
+#include "dynasurf/ventricle/detail/study_run.hpp"
 #include "dynasurf/ventricle/label_borders.hpp"
 #include "dynasurf/ventricle/labels/detail/circle.hpp"
 
@@ -29,22 +28,6 @@ namespace {
 
 constexpr double near_border = 0.9;  // of the way to it
 constexpr int room_voxels = 3;       // around a border, for its field
-
-/// What is found of a whole study before its gates are looked at, beside the options, which stay as they were asked
-/// for.
-struct StudyContext {
-  std::optional<heart::Location> heart;
-  LabelContext labels;
-};
-
-/// A study on its way to its surfaces: the gates with their borders.
-struct StudyRun {
-  std::optional<Study> changed;   // the study as a person wants it looked at, where it is another
-  std::optional<Mask> looked_at;  // on the grid of the study as stored; absent: all of it
-  Study study;
-  StudyContext context;
-  std::vector<GateRun> gates;
-};
 
 /// The edges of the caller's function, which may have left the image's grid.
 image::EdgeMap own_edges(const Image& image, const OwnStages& own) {
@@ -223,6 +206,8 @@ void hand_over_stages(const IntermediateSink& keep, std::vector<GateRun>& runs, 
   }
 }
 
+void check_options(Options options) { dynasurf::check_options(options, ""); }
+
 Options without_label(Options options) {
   options.label = 0;
   return options;
@@ -282,11 +267,9 @@ Study without_gates(Study study, const std::vector<int>& gates) {
   return study;
 }
 
-StudyRun run_borders(const Study& whole, const Options& requested, const Progress& progress, const Additions& own,
-                     StageClock& clock) {
+StudyRun run_borders(const Study& whole, const Options& options, const Progress& progress, const Additions& own,
+                     const StageKeeper& keep, StageClock& clock) {
   StudyRun run;
-  Options options = requested;
-  check_options(options, "");
   require_workable(whole);
   if (!options.manual.exclude_gates.empty()) run.changed = without_gates(whole, options.manual.exclude_gates);
   if (own.mask != nullptr) {
@@ -297,7 +280,8 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   const heart::LocateHints hints = hints_of(options.manual);
   std::optional<heart::Location>& heart = run.context.heart;
   LabelContext& labels = run.context.labels;
-  heart = clock("locate", [&] { return own.located ? own.located : locate_upright(original, hints); });
+  const auto find_heart = [&] { return clock("locate", [&] { return locate_upright(original, hints); }); };
+  heart = own.located ? own.located : keep.location(find_heart);
   labels.bright = clock("locate", [&] { return detect_contrast(original, heart, options); });
   if (labels.bright == ImageContrast::cavity) heart.reset();  // it is looked for by its wall
   const std::optional<Study> cut = heart ? cut_hot_objects(original, *heart) : std::nullopt;
@@ -340,6 +324,21 @@ StudyRun run_borders(const Study& whole, const Options& requested, const Progres
   return run;
 }
 
+/// Keeps stages for the caller where he asks for it and their options tell all: functions and a place of his own could
+/// be others each time, and who looks at the stages wants more of them than is kept.
+StageKeeper keeper_of(const Study& study, const Options& options, const Additions& own) {
+  if (own.cache == nullptr || own.keep || own.stages.edges || own.stages.labels || own.located)
+    return StageKeeper(options);
+  own.cache->kept().begin(study, own.mask, own.start);
+  return StageKeeper(options, &own.cache->kept());
+}
+
+void add_readings(OtherReadings readings, Result& result) {
+  result.readings.psf_corrected = std::move(readings.psf_corrected);
+  result.readings.gaussian_profile = std::move(readings.gaussian_profile);
+  result.notes.insert(result.notes.end(), readings.notes.begin(), readings.notes.end());
+}
+
 std::optional<BorderField> field_of(WallRun& run) {
   if (run.flow.field.x.empty()) return std::nullopt;
   return BorderField{std::move(run.border), std::move(run.flow.field)};
@@ -366,9 +365,10 @@ std::span<const std::string_view> names_of(UsefulSlices) { return useful_slices_
 
 BorderResult find_borders(const Study& study, const Options& options, const Progress& progress, const Additions& own) {
   if (options.label > 0) return find_borders(only_label(study, options.label), without_label(options), progress, own);
+  check_options(options);
   BorderResult result;
   StageClock clock(result.seconds);
-  StudyRun run = run_borders(study, options, progress, own, clock);
+  StudyRun run = run_borders(study, options, progress, own, StageKeeper(options), clock);
   result.notes = run.study.notes;
   result.study = std::move(run.study);
   result.heart = std::move(run.context.heart);
@@ -392,21 +392,28 @@ Result reconstruct(const Study& original, const Options& requested, const Progre
     return reconstruct(only_label(original, requested.label), without_label(requested), progress, own);
   if (requested.placement.shape == mesh::StartShape::file && own.start == nullptr)
     throw OptionError("option placement.shape is file; expected a mesh to start from, none was given");
+  check_options(requested);
   Result result;
   StageClock clock(result.seconds);
-  StudyRun run = run_borders(original, requested, progress, own, clock);
   Options options = requested;
   options.evolution.histories = options.evolution.histories || own.keep;
+  const StageKeeper keep = keeper_of(original, options, own);
+  StudyRun run = keep.surfaces([&] {
+    StudyRun found = keep.borders([&] { return run_borders(original, options, progress, own, keep, clock); });
+    find_surfaces(found.gates, found.study, options, own.start, progress, clock);
+    measure_surfaces(found.gates, found.study, options, clock);
+    return found;
+  });
   result.study = std::move(run.study);
   result.heart = std::move(run.context.heart);
-
-  find_surfaces(run.gates, result.study, options, own.start, progress, clock);
-  measure_surfaces(run.gates, result.study, options, clock);
   if (own.keep) hand_over_stages(own.keep, run.gates, result.study, options.evolution);
   finish_gates(run.gates, result);
   run.gates.clear();
   measure_cycle(result);
-  read_otherwise(run.changed ? *run.changed : original, run.looked_at, options, progress, clock, result);
+  const Study& looked_at = run.changed ? *run.changed : original;
+  add_readings(
+      keep.readings([&] { return read_otherwise(looked_at, run.looked_at, options, progress, clock, result); }),
+      result);
   choose_leading(result);
   note_correspondence(result);
   result.measures = clock("measures", [&] { return measure_study(result, options.measures); });

@@ -11,6 +11,7 @@
 #include "dynasurf/ventricle/detail/contour_pipeline.hpp"
 #include "dynasurf/ventricle/options.hpp"
 #include "dynasurf/ventricle/result.hpp"
+#include "dynasurf/ventricle/stage_cache.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -59,6 +60,9 @@ struct Additions {
   /// The location of the heart from an earlier call; absent: it is searched for. Valid for the same study, mask,
   /// options manual.exclude_gates, manual.center_mm, manual.axis and manual.radius_mm alone.
   std::optional<heart::Location> located = {};
+  /// Of `reconstruct`: what an earlier call found, for stages that need not be done again; null: all are. Not used
+  /// beside `stages` or `located`.
+  StageCache* cache = nullptr;
 };
 
 /// The whole way from a study to surfaces and numbers. Hard data never throw: the verdict and the notes say it.
