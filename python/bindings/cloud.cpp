@@ -16,6 +16,7 @@
 #include "options.hpp"
 #include "pickles.hpp"
 #include "running.hpp"
+#include "stage_cache.hpp"
 #include "version.hpp"
 
 namespace dynasurf::python {
@@ -60,7 +61,7 @@ std::string command_of(const OriginCloud& cloud, const cloud::Options& options, 
 }
 
 LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::Options& options, const std::string& preset,
-                         const Progress& progress) {
+                         StageCache* cache, const Progress& progress) {
   cloud::check(options);  // refused before any work is done
   auto lods = std::make_shared<Lods>();
   lods->provenance.program_version = app::version();
@@ -70,12 +71,15 @@ LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::Options& options
   lods->provenance.options_json = io::options_to_text(options);
   lods->run.sources = cloud.sources;
   StageClock clock(lods->run.seconds);
+  std::unique_lock<std::mutex> alone;
+  if (cache != nullptr) alone = std::unique_lock(cache->in_use);
   lods->run.result = cloud::reconstruct(cloud.cloud, options,
                                         {[&](std::string_view stage, int done, int total) {
                                            clock.enter(stage);
                                            progress(stage, done, total);
                                          },
-                                         progress.stop});
+                                         progress.stop},
+                                        cache == nullptr ? nullptr : &cache->cloud);
   clock.stop();
   Notes& notes = lods->run.result.notes;
   notes.insert(notes.begin(), cloud.notes.begin(), cloud.notes.end());
@@ -228,13 +232,14 @@ void bind_cloud(py::module_& module) {
   bind_cloud_result(module);
   module.def(
       "reconstruct_cloud",
-      [](const CloudPtr& cloud, const std::string& options, const std::string& preset, py::object progress,
-         int threads) {
+      [](const CloudPtr& cloud, const std::string& options, const std::string& preset,
+         const std::shared_ptr<StageCache>& cache, py::object progress, int threads) {
         const auto how = options_from<cloud::Options>(options);
-        return run_long_for({std::move(progress), threads},
-                            [=](const Progress& told) { return reconstruct_lods(*cloud, how, preset, told); });
+        return run_long_for({std::move(progress), threads}, [=](const Progress& told) {
+          return reconstruct_lods(*cloud, how, preset, cache.get(), told);
+        });
       },
-      needed("cloud"), needed("options"), needed("preset"), py::arg("progress"), needed("threads"));
+      needed("cloud"), needed("options"), needed("preset"), py::arg("cache"), py::arg("progress"), needed("threads"));
 }
 
 }  // namespace dynasurf::python

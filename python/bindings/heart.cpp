@@ -48,8 +48,13 @@ std::shared_ptr<Heart> reconstruct_heart(const HeartRun& run, const Progress& pr
   heart->study = run.study;
   heart->mask_sha256 = run.mask_sha256;
   heart->start_sha256 = run.start_sha256;
-  heart->result = ventricle::reconstruct(*run.study, run.options, progress,
-                                         {.start = run.start.get(), .mask = run.mask.get(), .stages = run.own});
+  ventricle::Additions additions{.start = run.start.get(), .mask = run.mask.get(), .stages = run.own};
+  std::unique_lock<std::mutex> alone;
+  if (run.cache) {
+    alone = std::unique_lock(run.cache->in_use);
+    additions.cache = &run.cache->ventricle;
+  }
+  heart->result = ventricle::reconstruct(*run.study, run.options, progress, additions);
   return heart;
 }
 

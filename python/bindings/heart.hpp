@@ -10,6 +10,7 @@
 #include "dynasurf/ventricle/reconstruct.hpp"
 
 #include "origin.hpp"
+#include "stage_cache.hpp"
 
 namespace dynasurf::python {
 
@@ -22,6 +23,7 @@ struct HeartRun {
   std::shared_ptr<TriMesh> start;
   std::optional<std::string> mask_sha256, start_sha256;  // of the files they come from
   ventricle::OwnStages own;
+  std::shared_ptr<StageCache> cache;  // null: none
 };
 
 /// A finished run: the result, and where it comes from.

@@ -270,9 +270,10 @@ HeartPtr reconstruct_from_python(const std::shared_ptr<OriginStudy>& study, cons
                                  const std::optional<std::string>& mask_sha256, const std::shared_ptr<TriMesh>& start,
                                  const std::optional<std::string>& start_sha256, const py::object& edges,
                                  const std::string& edges_name, const py::object& labels,
-                                 const std::string& labels_name, py::object progress, int threads) {
-  HeartRun run{study,       preset,       options_from<ventricle::Options>(options),         mask, start,
-               mask_sha256, start_sha256, own_stages(edges, edges_name, labels, labels_name)};
+                                 const std::string& labels_name, const std::shared_ptr<StageCache>& cache,
+                                 py::object progress, int threads) {
+  HeartRun run{study,       preset,       options_from<ventricle::Options>(options),          mask, start,
+               mask_sha256, start_sha256, own_stages(edges, edges_name, labels, labels_name), cache};
   return run_long_for({std::move(progress), threads},
                       [run = std::move(run)](const Progress& told) { return reconstruct_heart(run, told); });
 }
@@ -337,6 +338,9 @@ void bind_stages(py::module_& module) {
 }  // namespace
 
 void bind_ventricle(py::module_& module) {
+  py::class_<StageCache, std::shared_ptr<StageCache>>(module, "StageCache",
+                                                      "What the stages of the last run found, for the next run.")
+      .def(py::init<>());
   bind_estimates(module);
   bind_surfaces(module);
   bind_walls(module);
@@ -346,7 +350,8 @@ void bind_ventricle(py::module_& module) {
   bind_stages(module);
   module.def("reconstruct_ventricle", &reconstruct_from_python, needed("study"), needed("options"), needed("preset"),
              py::arg("mask"), py::arg("mask_sha256"), py::arg("start"), py::arg("start_sha256"), py::arg("edges"),
-             needed("edges_name"), py::arg("labels"), needed("labels_name"), py::arg("progress"), needed("threads"));
+             needed("edges_name"), py::arg("labels"), needed("labels_name"), py::arg("cache"), py::arg("progress"),
+             needed("threads"));
 }
 
 }  // namespace dynasurf::python

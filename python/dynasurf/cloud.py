@@ -37,7 +37,17 @@ def preset(name):
 
 
 def reconstruct(
-    points, options=None, *, triangles=None, preset="shaped", normals=None, colours=None, progress=None, threads=0, **members
+    points,
+    options=None,
+    *,
+    triangles=None,
+    preset="shaped",
+    normals=None,
+    colours=None,
+    cache=None,
+    progress=None,
+    threads=0,
+    **members,
 ):
     """Closed surfaces from points, as ``dynasurf cloud`` makes them.
 
@@ -55,6 +65,8 @@ def reconstruct(
         Outwards, any length but 0.
     colours : array_like, (n, 3) uint8, optional
         sRGB.
+    cache : StageCache, optional
+        What the run before found: stages that the changed options do not touch are not done again.
     progress : bool or callable, optional
         See `dynasurf.progress_of`.
     threads : int
@@ -83,4 +95,4 @@ def reconstruct(
         members["triangles"] = triangles
     chosen = globals()["preset"](preset) if options is None else options
     with progress_of(progress) as tell:
-        return _core.reconstruct_cloud(cloud, text_of(chosen, "cloud.Options", members), preset, tell, threads)
+        return _core.reconstruct_cloud(cloud, text_of(chosen, "cloud.Options", members), preset, cache, tell, threads)

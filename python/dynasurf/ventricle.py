@@ -73,6 +73,7 @@ def reconstruct(
     start=None,
     edges=None,
     labels=None,
+    cache=None,
     progress=None,
     threads=0,
     **members,
@@ -97,6 +98,9 @@ def reconstruct(
     labels : callable, optional
         Function of (Image, EdgeMap) that returns Labels: a labeller in the place of the program's. A note of the
         result tells both. Both are called from other threads, one at a time.
+    cache : StageCache, optional
+        What the run before found: stages that the changed options do not touch are not done again. Not used beside `edges`
+        and `labels`.
     progress : bool or callable, optional
         See `dynasurf.progress_of`.
     threads : int
@@ -128,7 +132,7 @@ def reconstruct(
     with progress_of(progress) as tell:
         return _core.reconstruct_ventricle(
             study, chosen.to_json(), preset, mask, mask_sha256, start, start_sha256,
-            _edge_function(edges), _name_of(edges), labels, _name_of(labels), tell, threads,
+            _edge_function(edges), _name_of(edges), labels, _name_of(labels), cache, tell, threads,
         )  # fmt: skip
 
 

@@ -74,3 +74,10 @@ def test_what_is_no_cloud_is_refused(arguments, error):
 
 def test_the_command_is_that_of_the_program(lods):
     assert lods.command == "dynasurf cloud CLOUD --out RESULT --preset shaped --set triangles=1280,320"
+
+
+def test_a_cache_spares_stages_and_changes_no_vertex(cloud, lods):
+    cache = ds.StageCache()
+    ds.cloud.reconstruct(cloud, triangles=[1280], cache=cache)
+    again = ds.cloud.reconstruct(cloud, triangles=[1280, 320], cache=cache)
+    assert [np.array_equal(a.mesh.vertices, b.mesh.vertices) for a, b in zip(again, lods)] == [True, True]

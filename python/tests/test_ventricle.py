@@ -1,3 +1,5 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import dynasurf as ds
 import numpy as np
 import pytest
@@ -167,3 +169,26 @@ def test_a_fit_without_a_wall_is_refused(study, heart, missing):
 def test_nothing_in_the_place_of_something_is_a_type_error(call):
     with pytest.raises(TypeError):
         call()
+
+
+def test_a_cache_spares_stages_and_changes_no_byte(study, tmp_path):
+    cache = ds.StageCache()
+    first = ds.ventricle.reconstruct(study, fwhm_mm=12, cache=cache)
+    decision = {"manual": ds.ventricle.UserOverrides(decision="accepted", reader="A. Reader")}
+    again = ds.ventricle.reconstruct(study, fwhm_mm=12, cache=cache, **decision)
+    plain = ds.ventricle.reconstruct(study, fwhm_mm=12, **decision)
+    assert set(again.seconds) == {"measures"} < set(first.seconds)
+    for name, heart in {"again": again, "plain": plain}.items():
+        heart.save(tmp_path / name, timings=False)
+    names = sorted(p.relative_to(tmp_path / "plain") for p in (tmp_path / "plain").rglob("*") if p.is_file())
+    assert len(names) > 10
+    for name in names:
+        assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "plain" / name).read_bytes(), name
+
+
+def test_a_cache_is_used_by_threads_in_turn(study):
+    cache = ds.StageCache()
+    with ThreadPoolExecutor(3) as pool:
+        levels = [2, 3, 2]
+        hearts = pool.map(lambda n: ds.ventricle.reconstruct(study, preset="edges", mesh_level=n, cache=cache), levels)
+    assert [len(heart.gates[0].edge_endo.vertices) for heart in hearts] == [162, 642, 162]
