@@ -12,6 +12,7 @@
 #include "dynasurf/report/result_folders.hpp"
 
 #include "console.hpp"
+#include "kept_stages.hpp"
 #include "live_page.hpp"
 
 namespace dynasurf::app {
@@ -46,7 +47,8 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
 
   outcome.run.sources = std::move(input.sources);
   try {
-    outcome.run.result = cloud::reconstruct(std::move(input.cloud), job.options, timed);
+    cloud::StageCache* const kept = kept_stages(input.cloud);
+    outcome.run.result = cloud::reconstruct(std::move(input.cloud), job.options, timed, kept);
   } catch (const InputError& error) {  // the library knows the points, not the file they came from
     throw InputError(job.clouds.front().string() + ": " + error.what());
   }

@@ -13,6 +13,7 @@
 #include "dynasurf/report/detail/stages.hpp"
 #include "dynasurf/report/result_folders.hpp"
 
+#include "kept_stages.hpp"
 #include "live_page.hpp"
 #include "option_arguments.hpp"
 #include "print_page.hpp"
@@ -101,9 +102,11 @@ Outcome reconstruct_to_folder(const Job& asked, const Progress& progress) {
       job.outputs.keep_stages ? ventricle::IntermediateSink([&](const ventricle::Intermediates& s) { stages(s); })
                               : ventricle::IntermediateSink();
   try {
-    outcome.result =
-        ventricle::reconstruct(study, job.options, progress,
-                               {.keep = keep, .start = start ? &*start : nullptr, .mask = mask ? &*mask : nullptr});
+    outcome.result = ventricle::reconstruct(study, job.options, progress,
+                                            {.keep = keep,
+                                             .start = start ? &*start : nullptr,
+                                             .mask = mask ? &*mask : nullptr,
+                                             .cache = kept_stages(study)});
   } catch (const InputError& error) {  // the library knows the study, not the file it came from
     throw InputError(job.study.string() + ": " + error.what());
   }

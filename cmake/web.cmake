@@ -72,6 +72,11 @@ function(dynasurf_program_page)
   add_custom_target(dynasurf_page DEPENDS ${page})
 endfunction()
 
+# dynasurf_called_by_page(target): a program that stays between its runs, each of which is a call of main.
+function(dynasurf_called_by_page target)
+  target_link_options(${target} PRIVATE -mexec-model=reactor -Wl,--export=__main_void)
+endfunction()
+
 # dynasurf_browser_tests(): the tests of the rooms that read no files, compiled for a browser, in which
 # web/test/library.test.mjs runs them.
 function(dynasurf_browser_tests)
@@ -93,6 +98,7 @@ function(dynasurf_browser_tests)
     set_target_properties(test_${room} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests SUFFIX .wasm)
     target_include_directories(test_${room} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
     target_link_libraries(test_${room} PRIVATE dynasurf::${room} dynasurf::synthetic googletest)
+    dynasurf_called_by_page(test_${room})
     dynasurf_light_test_code(test_${room} <gmock/gmock.h> <gtest/gtest.h>)
     add_dependencies(browser_tests test_${room})
   endforeach()

@@ -475,6 +475,51 @@ const tests = {
     await same_as_native("--set", "manual.radius_mm=40");
   },
 
+  async "does again what a change touches, as the native program does all of it"(page) {
+    const again = async (path, value) => {
+      await page.fill("#search", path);
+      await enter(page.locator(`[data-path="${path}"] input`), value);
+      await page.click("#again");
+      await until_view(page, "working");
+      const mine = await saved(page);
+      console.log(`     ${path}: ${mine.seconds.toFixed(2)} s, ${(mine.memory / 1e6).toFixed(0)} MB`);
+      return mine;
+    };
+    const options = async () => {
+      await page.click("#show-options");
+      await page.waitForSelector(".control", { timeout: most_wait });
+    };
+    await page.click("#example-patient");
+    const whole = await saved(page);
+    console.log(`     all: ${whole.seconds.toFixed(2)} s, ${(whole.memory / 1e6).toFixed(0)} MB`);
+    await options();
+    const settings = [];
+    for (const [path, value, stages] of [
+      ["measures.waves", "2", ["measures"]],
+      ["fit.thickness_mm", "9", ["readings", "fit", "measures"]],
+      ["evolution.force.strength", "3e-5", ["field", "surfaces", "settling", "measures", "readings", "fit"]],
+      // Whether the wall is light is asked of the edges.
+      ["edges.sigma_px", "1.8", ["locate", "valve plane", "edges", "labels", "field", "surfaces", "settling", "measures", "readings", "fit"]],
+    ]) {
+      settings.push("--set", `${path}=${value}`);
+      const mine = await again(path, value);
+      run_native("ventricle", "patient/study.dcm", "--out", "patient/again", "--replace", "--threads", "1", ...settings);
+      assert_same(mine, "patient/again");
+      assert.deepEqual(new Set(Object.keys(mine.json.timings_s)), new Set(stages), path);
+      if (stages.length === 1) assert.ok(mine.seconds < 0.5 * whole.seconds, "no faster than all of it");
+    }
+    await page.click("#result .other");
+    await page.click("#example-vase");
+    const levels = await saved(page);
+    assert.ok(levels.json.timings_s.inside > 0);
+    await options();
+    const coarser = await again("triangles", "5120,640");
+    assert.equal(coarser.json.timings_s.inside, undefined);
+    run_native("phantom", "cloud", "--set", "shape=vase", "--set", "points=30000", "--set", "noise_percent=0.1", "--out", "again", "--replace", "--quiet");
+    run_native("cloud", "again/cloud.ply", "--out", "again/native", "--triangles", "5120,640", "--replace", "--threads", "1");
+    assert_same(coarser, "again/native");
+  },
+
   async "records what a reader decides, and changes no number"(page) {
     await page.click("#example-patient");
     const first = (await saved(page)).json;

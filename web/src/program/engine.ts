@@ -1,4 +1,5 @@
-// The program in workers: it is compiled once, and every job has a worker of its own, whose memory ends with it.
+// The program in workers: it is compiled once. A job has a worker of its own, whose memory ends with it, or that of the job
+// before, where what was found there may be used again.
 import { bytesOf } from "./base85";
 import type { Job, Word } from "./job";
 
@@ -20,32 +21,43 @@ function startWorker(): Worker {
   return new Worker(script);
 }
 
-/** Runs one job at a time: a new one ends the one before. With `ahead` the worker of the next job starts beside it. */
+/** A program that holds more memory than this ends with its job. */
+const most_kept = 300e6;
+
+/**
+ * Runs one job at a time: a new one ends the one before. With `ahead` the worker of the next job starts beside it. With
+ * `keeps` the next job has the worker of the last one, and what the program kept there, until `forget`.
+ */
 export class Runner {
   private worker: Worker | null = null;
+  private kept: Worker | null = null;
   private spare: Worker | null = null;
 
-  constructor(private readonly ahead = false) {}
+  constructor(private readonly how: { ahead?: boolean; keeps?: boolean } = {}) {}
 
   /** The bytes of the job's files are given away. Throws where the program cannot be compiled; the next job tries again. */
   async run(job: Job, on_line: (word: Word & { kind: "line" }) => void = () => {}): Promise<Word> {
     engine ??= unpack_engine();
     this.stop();
-    const spare = this.spare;
-    const mine = spare ?? startWorker();
-    this.spare = null;
+    const has_program = this.kept ?? this.spare;
+    const mine = has_program ?? startWorker();
+    if (this.kept) this.kept = null;
+    else this.spare = null;
     this.worker = mine;
     const module = await engine.catch((error: unknown) => {
       engine = null;
       throw error;
     });
-    if (!spare) mine.postMessage(module);
+    if (!has_program) mine.postMessage(module);
     // Another job may have started one while the program was compiled.
-    if (this.ahead && !this.spare) (this.spare = startWorker()).postMessage(module);
+    if (this.how.ahead && !this.spare) (this.spare = startWorker()).postMessage(module);
     return new Promise((done) => {
       const end = (word: Word) => {
-        mine.terminate();
-        if (this.worker === mine) this.worker = null;
+        const is_mine = this.worker === mine;
+        if (is_mine) this.worker = null;
+        const may_stay = word.kind === "end" && (word.code === 0 || word.code === 3) && word.memory < most_kept;
+        if (is_mine && this.how.keeps && may_stay) this.kept = mine;
+        else mine.terminate();
         done(word);
       };
       mine.onmessage = (message: MessageEvent<Word>) => (message.data.kind === "line" ? on_line(message.data) : end(message.data));
@@ -61,6 +73,12 @@ export class Runner {
     this.worker?.terminate();
     this.worker = null;
   }
+
+  /** Ends the worker that was kept, with all it knows. */
+  forget(): void {
+    this.kept?.terminate();
+    this.kept = null;
+  }
 }
 
 /** A browser compiles well what has run for a while: a small heart and a small scan are read before anybody asks, if nobody does. */
@@ -74,6 +92,7 @@ export async function warmUp(runner: Runner): Promise<void> {
   ];
   try {
     await runner.run({ files: [], commands, wanted: [] });
+    runner.forget();
     document.documentElement.dataset.warm = "true";
   } catch {
     // Whoever asks for a run is told.

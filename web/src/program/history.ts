@@ -24,13 +24,25 @@ export function taskOf(files: Piece[]): Task {
   return { subject: are_scans ? "cloud" : "ventricle", files, make: [], inputs };
 }
 
+const made = new WeakMap<Task, Piece[]>();
+
+/** The files of a task; null: its commands have not made them yet. */
+export const filesOf = (task: Task): Piece[] | null => (task.make.length === 0 ? task.files : made.get(task) ?? null);
+
+/** The inputs among files that the commands of a task made are at hand from now on. */
+export function keepMade(task: Task, files: Piece[]): void {
+  const inputs = files.filter(({ path }) => task.inputs.includes(`/${path}`));
+  if (inputs.length > 0) made.set(task, inputs);
+}
+
 /** The job that runs a task, with settings of the options and what is said by hand; its result is the folder "result". */
-export function jobOf({ subject, files, make, inputs }: Task, settings: string[], said: ByHand): Job {
+export function jobOf(task: Task, settings: string[], said: ByHand): Job {
+  const files = filesOf(task);
   const by_hand = argumentsOf(said).map((word) => (word === mask_name ? `/${mask_name}` : word));
   return {
-    files: [...copyOf(files), ...(said.paint ? [{ path: mask_name, bytes: maskFile(said.paint) }] : [])],
-    commands: [...make, [subject, ...inputs, "--out", "/result", ...settings.flatMap((set) => ["--set", set]), ...by_hand]],
-    wanted: ["result"],
+    files: [...copyOf(files ?? task.files), ...(said.paint ? [{ path: mask_name, bytes: maskFile(said.paint) }] : [])],
+    commands: [...(files ? [] : task.make), [task.subject, ...task.inputs, "--out", "/result", ...settings.flatMap((set) => ["--set", set]), ...by_hand]],
+    wanted: files ? ["result"] : ["made", "result"],
   };
 }
 

@@ -8,7 +8,7 @@ import { patient, vase } from "./examples";
 import { lineOfError, mb, reasonOf } from "./failure";
 import { load, printAlone } from "./frames";
 import { givenHere, pageWith } from "./given";
-import { dataOf, fileOf, History, jobOf, type Run, type Task, taskOf } from "./history";
+import { dataOf, fileOf, History, jobOf, keepMade, type Run, type Task, taskOf } from "./history";
 import { copyOf, type Job, type Piece, type Word } from "./job";
 import { OptionPanel, partSaid } from "./options";
 import { attempt, by_id, close_by_itself, fail, show, tell_progress, tell_reason } from "./page";
@@ -33,18 +33,18 @@ let asked_panel = "";
 let gate = 1;
 let at_once = false;
 
-// ---- The engine ----
-
-const runner = new Runner();
-
 // ---- A run ----
+
+const runner = new Runner({ keeps: true });
 
 /** Another study or result: nothing of the one before counts. */
 function forget(): void {
   history.clear();
   panel.clear();
   preview.stop();
+  runner.forget();
   by_id<HTMLInputElement>("search").value = "";
+  if (!by_id("options").hidden) by_id("show-options").click(); // those of another subject may be others
   correcting = at_once = false;
   by_id("back").hidden = true;
 }
@@ -98,11 +98,12 @@ async function work(job: Job, is_done: (end: Ended) => boolean): Promise<Ended |
 }
 
 function present(word: Ended): void {
+  keepMade(task!, word.files);
   history.add({
     name: "",
     settings: panel.snapshot(),
     said,
-    result: word.files.map(({ path, bytes }) => ({ path: path.replace(/^result\//, "dynasurf-result/"), bytes })),
+    result: word.files.filter(({ path }) => /^result\//.test(path)).map(({ path, bytes }) => ({ path: `dynasurf-${path}`, bytes })),
     code: word.code,
     seconds: word.seconds,
     memory: word.memory,
@@ -436,8 +437,7 @@ function connect(): void {
   click("save-dicom", save_dicom);
   click("save-page", save_page);
   click("back", () => show("result")); // with what was chosen and said for the next run
-  click("undo", () => history.go(history.at - 1));
-  click("redo", () => history.go(history.at + 1));
+  for (const [id, step] of [["undo", -1], ["redo", 1]] as const) click(id, () => history.go(history.at + step));
   click("show-history", show_history);
   click("show-options", show_options);
   window.addEventListener("message", hear_report);

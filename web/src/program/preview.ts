@@ -2,7 +2,7 @@
 import { argumentsOf, type ByHand, type FoundBorders, isSame, maskFile, mask_name } from "../host";
 import { Runner } from "./engine";
 import { lineOfError, reasonOf } from "./failure";
-import type { Task } from "./history";
+import { filesOf, keepMade, type Task } from "./history";
 import type { Piece } from "./job";
 import { text } from "./texts";
 
@@ -27,8 +27,7 @@ function without({ task, settings, said, gate }: Wanted, left_out: RegExp): Want
 const has_same = (a: Wanted, b: Wanted): boolean => JSON.stringify(a.settings) === JSON.stringify(b.settings) && isSame(a.said, b.said);
 
 export class Preview {
-  private readonly runner = new Runner(true);
-  private made: { task: Task; files: Piece[] } | null = null;
+  private readonly runner = new Runner({ ahead: true });
   /** Where the heart was found, as the program told it, and what for. */
   private located: { of: Wanted; heart: unknown } | null = null;
   private next: Wanted | null = null;
@@ -86,12 +85,10 @@ export class Preview {
 
   /** Files that commands make are made once. */
   private async files_of(task: Task): Promise<Piece[]> {
-    if (task.make.length === 0) return task.files;
-    if (this.made?.task !== task) {
+    if (!filesOf(task)) {
       const word = await this.runner.run({ files: [], commands: task.make, wanted: ["made"] });
-      const is_input = ({ path }: Piece) => task.inputs.includes(`/${path}`);
-      this.made = { task, files: word.kind === "end" ? word.files.filter(is_input) : [] };
+      if (word.kind === "end") keepMade(task, word.files);
     }
-    return this.made.files;
+    return filesOf(task) ?? [];
   }
 }

@@ -57,24 +57,31 @@ function files_in(folder: Map<string, Inode>, at: string, found: Piece[] = []): 
   return found;
 }
 
-/** The program before it is told what to do. */
-interface Ready {
+/** The program: started once, then called for one command after the other. It keeps what the stages of a run found. */
+interface Program {
   wasi: WASI;
-  instance: WebAssembly.Instance;
+  memory: WebAssembly.Memory;
+  main: () => number;
 }
 let engine: WebAssembly.Module;
-let ready: Ready | null = null;
+let program: Program | null = null;
 
-function makeReady(): Ready {
+function start(): Program {
   const wasi = new WASI([], [], [], { debug: false });
-  return { wasi, instance: new WebAssembly.Instance(engine, { wasi_snapshot_preview1: wasi.wasiImport }) };
+  wasi.fds = [nothing(), nothing(), nothing(), new PreopenDirectory("/", new Map())]; // it looks once which folders there are
+  const instance = new WebAssembly.Instance(engine, { wasi_snapshot_preview1: wasi.wasiImport });
+  const { memory, _initialize, __main_void } = instance.exports;
+  wasi.initialize({ exports: { memory: memory as WebAssembly.Memory, _initialize: _initialize as () => unknown } });
+  return { wasi, memory: memory as WebAssembly.Memory, main: __main_void as () => number };
 }
+
+const nothing = () => new OpenFile(new File([]));
 
 /** What takes time before the first job can start. */
 function prepare(module: WebAssembly.Module): void {
   engine = module;
   try {
-    ready = makeReady();
+    program = start();
   } catch {
     // Without the memory for it, the job will tell.
   }
@@ -83,7 +90,7 @@ function prepare(module: WebAssembly.Module): void {
 function run(job: Job): void {
   const started = performance.now();
   const root = tree_of(job.files);
-  let memory = 0;
+  const held = () => program?.memory.buffer.byteLength ?? 0;
   let output = "";
   let code = 0;
   for (const command of job.commands) {
@@ -93,23 +100,22 @@ function run(job: Job): void {
     const to_page = ConsoleStdout.lineBuffered((text: string) => say({ kind: "line", text, memory: held() }));
     // No terminal: the program then tells its progress in lines.
     to_page.fd_fdstat_get = () => ({ ret: 0, fdstat: new system.Fdstat(system.FILETYPE_UNKNOWN, 0) });
-    const nothing = new OpenFile(new File([]));
-    const { wasi, instance } = ready ?? makeReady();
-    ready = null; // it runs once
+    program ??= start();
+    const { wasi, main } = program;
     wasi.args = ["dynasurf", ...command];
-    wasi.fds = [nothing, to_output, to_page, new PreopenDirectory("/", root)];
-    const held = () => Math.max(memory, (instance.exports.memory as WebAssembly.Memory).buffer.byteLength);
+    wasi.fds = [nothing(), to_output, to_page, new PreopenDirectory("/", root)];
     try {
-      code = wasi.start(instance as Parameters<WASI["start"]>[0]);
+      code = main();
     } catch (error) {
-      return say({ kind: "lost", reason: String(error), memory: held() });
+      const memory = held();
+      program = null;
+      return say({ kind: "lost", reason: String(error), memory });
     }
-    memory = held();
     if (code === 1 || code === 2) break;
   }
   const files = files_in(root, "").filter(({ path }) => job.wanted.some((folder) => path.startsWith(`${folder}/`)));
   const seconds = (performance.now() - started) / 1000;
-  say({ kind: "end", code, output, files, memory, seconds }, files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
+  say({ kind: "end", code, output, files, memory: held(), seconds }, files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
 }
 
 self.onmessage = ({ data }: MessageEvent<WebAssembly.Module | Job>) => (data instanceof WebAssembly.Module ? prepare(data) : run(data));
