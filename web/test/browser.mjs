@@ -161,7 +161,7 @@ async function press(page, selector, timeout) {
   for (const end = Date.now() + timeout; ; )
     try {
       if (!(await menu.evaluate((element) => element.open))) await menu.locator("summary").click({ timeout });
-      return await page.click(selector, { timeout: 2000 });
+      return await page.click(selector, { timeout: 10_000 }); // packing a result takes a slow machine seconds
     } catch (error) {
       if (Date.now() > end) throw error;
     }
