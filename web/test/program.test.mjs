@@ -684,16 +684,16 @@ const tests = {
     run_native("phantom", "patient", "--seed", "3", "--set", "ef_percent=45", "--out", "weak", "--quiet");
     await drop(page, [described("weak", "STRESS"), described("patient", "REST")]);
     await until_view(page, "studies", "failure");
-    assert.ok(await page.locator("#open-pair").isDisabled(), "nothing is chosen");
+    assert.ok(await page.locator("#open-beside").isDisabled(), "nothing is chosen");
     for (const box of await page.locator("#study-list input").all()) await box.check();
-    await page.click("#open-pair");
-    await until_view(page, "pair", "failure");
-    assert.equal(await view(page), "pair", await reason(page));
+    await page.click("#open-beside");
+    await until_view(page, "beside", "failure");
+    assert.equal(await view(page), "beside", await reason(page));
     for (const word of ["REST", "STRESS"]) run_native("ventricle", `${word}.dcm`, "--out", `both/${word}`);
     run_native("perfusion", "compare", "both/REST", "both/STRESS", "--out", "both/difference");
     assert.match(await page.locator("#first-title").innerText(), /^REST\.dcm .*, rest$/);
     const [rest, stress] = ["both/REST", "both/STRESS"].map(results_of);
-    assert.ok((await page.locator("#pair-numbers").innerText()).includes(`EF ${rest.ef_percent.toFixed(1)} → ${stress.ef_percent.toFixed(1)} %`));
+    assert.ok((await page.locator("#beside-numbers").innerText()).includes(`EF ${rest.ef_percent.toFixed(1)} → ${stress.ef_percent.toFixed(1)} %`));
     const frames = [];
     for (const id of ["first", "second"]) frames.push(await report_is_drawn(page, id));
     await shoot(page, "pair");
@@ -710,7 +710,7 @@ const tests = {
     assert.equal(await heading.innerText(), "Left ventricle, rest and stress");
     await page.waitForTimeout(500); // to paint
     await shoot(page, "difference");
-    const files = unzipSync((await downloaded(page, "#save-pair")).bytes);
+    const files = unzipSync((await downloaded(page, "#save-beside")).bytes);
     const theirs = JSON.parse(readFileSync(join(work, "both/difference/comparison.json"), "utf8"));
     assert.deepEqual(numbers_of(JSON.parse(new TextDecoder().decode(files["both/comparison.json"]))), numbers_of(theirs));
     await page.selectOption("#language", "de");
@@ -719,6 +719,46 @@ const tests = {
     assert.deepEqual(notGerman(texts), []);
     assert.match(await page.locator("#first-title").innerText(), /Phasen von .*, Ruhe$/);
     await shoot(page, "german-difference");
+  },
+
+  async "shows four results side by side in one beat, and no more"(page) {
+    small_study();
+    rmSync(join(work, "several"), { recursive: true, force: true });
+    mkdirSync(join(work, "several"));
+    const names = ["a", "b", "c", "d", "e"];
+    for (const [n, name] of names.entries())
+      run_native("ventricle", "small/study.nii.gz", "--out", `several/${name}`, "--preset", "edges", "--set", `edges.sigma_px=${1.5 + 0.2 * n}`, "--quiet");
+    await drag(page, ["several"]);
+    await until_view(page, "studies", "failure");
+    const boxes = await page.locator("#study-list input").all();
+    assert.equal(boxes.length, 5);
+    for (const box of boxes) await box.check();
+    assert.ok(await page.locator("#open-beside").isDisabled(), "five are too many");
+    await boxes[4].uncheck();
+    await page.click("#open-beside");
+    await until_view(page, "beside", "failure");
+    const ids = ["first", "second", "third", "fourth"];
+    const frames = [];
+    for (const id of ids) frames.push(await report_is_drawn(page, id));
+    const titles = await Promise.all(ids.map((id) => page.innerText(`#${id}-title`)));
+    const shown = titles.map((title) => title.split(" · ")[0]);
+    assert.deepEqual(shown, ["a", "b", "c", "d"]);
+    const edv = shown.map((name) => results_of(`several/${name}`).edv_ml.toFixed(1));
+    assert.ok((await page.innerText("#beside-numbers")).startsWith(`EDV ${edv.join(" → ")} mL · ESV`));
+    await frames[2].locator("#theme").press("ArrowRight");
+    const gate = await frames[2].evaluate(() => document.documentElement.dataset.gate);
+    for (const frame of frames) await frame.waitForFunction((of) => document.documentElement.dataset.gate === of, gate, { timeout: 10_000 });
+    await shoot(page, "beside");
+    const saved = Object.keys(unzipSync((await downloaded(page, "#save-beside")).bytes));
+    for (const id of ids) assert.ok(saved.includes(`${id}/results.json`), id);
+    await page.click("#beside .to-list");
+    const two = await page.locator("#study-list input").all();
+    for (const [n, box] of two.entries()) await box.setChecked(n < 2);
+    await page.click("#open-beside");
+    await until_view(page, "beside", "failure");
+    await report_is_drawn(page, "second");
+    assert.equal(await page.locator("#beside .half").count(), 2);
+    assert.match(await page.innerText("#beside-numbers"), /^EDV .* mL \([+−][\d.]+\) · ESV/);
   },
 
   async "takes a header with its voxels beside it, and scans by every ending"(page) {
@@ -828,12 +868,12 @@ const tests = {
     assert.ok((await page.innerText("#study-list")).includes(`EDV ${edv} mL`));
     await shoot(page, "results");
     for (const box of await page.$$("#study-list input")) await box.check();
-    await page.click("#open-pair");
-    await until_view(page, "pair", "failure");
+    await page.click("#open-beside");
+    await until_view(page, "beside", "failure");
     await report_is_drawn(page, "first");
     await report_is_drawn(page, "second");
-    assert.ok((await page.innerText("#pair-numbers")).includes(edv));
-    await page.click("#pair .to-list");
+    assert.ok((await page.innerText("#beside-numbers")).includes(edv));
+    await page.click("#beside .to-list");
     await page.click("#study-list li:first-child button");
     await until_view(page, "result", "failure");
     assert.match(await page.innerText("#summary"), /^Opened: (plain|edges)\. To run it again/);
@@ -1028,14 +1068,14 @@ const tests = {
     await drop(page, ["REST", "STRESS"].map((name) => ({ name: `${name}.dcm`, bytes: readFileSync(join(work, `${name}-or-noise.dcm`)) })));
     await until_view(page, "studies", "failure");
     for (const box of await page.locator("#study-list input").all()) await box.check();
-    await page.click("#open-pair");
-    await until_view(page, "pair", "failure");
-    assert.equal(await page.locator("#pair-complaint").innerText(), "Not compared: STRESS.dcm: has no polar map; expected a result with both walls");
+    await page.click("#open-beside");
+    await until_view(page, "beside", "failure");
+    assert.equal(await page.locator("#beside-complaint").innerText(), "Not compared: STRESS.dcm: has no polar map; expected a result with both walls");
     assert.ok(await page.locator("#show-difference").isHidden());
     await shoot(page, "not-compared");
     await page.selectOption("#language", "de");
-    assert.match(await page.locator("#pair-complaint").innerText(), /^Nicht verglichen: STRESS\.dcm: hat keine Polarkarte/);
-    assert.match(await page.locator("#pair-complaint").getAttribute("title"), /^STRESS\.dcm: has no polar map/);
+    assert.match(await page.locator("#beside-complaint").innerText(), /^Nicht verglichen: STRESS\.dcm: hat keine Polarkarte/);
+    assert.match(await page.locator("#beside-complaint").getAttribute("title"), /^STRESS\.dcm: has no polar map/);
   },
 
   async "describes options in German, and finds them in both languages"(page) {

@@ -3,6 +3,7 @@ import { as_zip, dropped, type Given, picked, read_given, Refusal, save } from "
 import { copyText } from "../clipboard";
 import { argumentsOf, type ByHand, type FromPage, type FromReport, isSame, maskFile, mask_name, nothing_said, quoted } from "../host";
 import { answer, settings_of } from "./asked";
+import { besideJob, hasAll, SideBySide } from "./beside";
 import { Runner, warmUp } from "./engine";
 import { patient, vase } from "./examples";
 import { lineOfError, mb, reasonOf } from "./failure";
@@ -12,7 +13,6 @@ import { dataOf, fileOf, History, jobOf, keepMade, type Run, type Task, taskOf }
 import { copyOf, type Job, type Piece, type Word } from "./job";
 import { OptionPanel, partSaid } from "./options";
 import { attempt, by_id, close_by_itself, fail, show, tell_progress, tell_reason } from "./page";
-import { Pair, pairJob } from "./pair";
 import { Preview } from "./preview";
 import { asGiven, type FoundResult, isOptions, openResult, partResults, recordOf, studyOf } from "./results";
 import { type Found, resultsIn, severalIn, StudyList } from "./studies";
@@ -278,7 +278,7 @@ async function info(files: Piece[], input: string, ...more: string[]): Promise<s
 const studies = new StudyList(
   by_id("study-list"),
   ({ result, files }) => void attempt(() => (result ? show_result(result) : begin_with_options(files))),
-  (is_pair) => (by_id<HTMLButtonElement>("open-pair").disabled = !is_pair),
+  (can_be_opened) => (by_id<HTMLButtonElement>("open-beside").disabled = !can_be_opened),
 );
 
 function show_studies(): void {
@@ -296,30 +296,23 @@ function tell_list(): void {
   for (const button of document.querySelectorAll<HTMLElement>(".to-list")) button.hidden = studies.studies.length === 0;
 }
 
-const pair = new Pair(
-  [by_id<HTMLIFrameElement>("first"), by_id<HTMLIFrameElement>("second")],
-  [by_id("first-title"), by_id("second-title")],
-  by_id<HTMLIFrameElement>("both"),
-  by_id("pair-numbers"),
-  by_id("pair-complaint"),
-);
+const side_by_side = new SideBySide(by_id("reports"), by_id<HTMLIFrameElement>("both"), by_id("beside-numbers"), by_id("beside-complaint"));
 
-async function show_pair(): Promise<void> {
-  const chosen = studies.pair;
+async function show_beside(): Promise<void> {
+  const chosen = studies.chosen;
   if (!chosen) return;
-  const has_both = ({ files }: Ended) => ["first", "second"].every((name) => files.some(({ path }) => path === `${name}/report.html`));
-  const word = await work(await pairJob(chosen), has_both);
+  const word = await work(await besideJob(chosen), ({ files }) => hasAll(files, chosen));
   if (!word) return;
-  show("pair");
+  show("beside");
   show_difference(false);
-  pair.show(chosen, word.files, word.complaint);
-  by_id("show-difference").hidden = !pair.has_difference;
+  side_by_side.show(chosen, word.files, word.complaint);
+  by_id("show-difference").hidden = !side_by_side.has_difference;
 }
 
 function show_difference(on: boolean): void {
   by_id("both").hidden = !on;
-  if (on) pair.showDifference();
-  for (const half of document.querySelectorAll<HTMLElement>("#pair .half")) half.hidden = on;
+  if (on) side_by_side.showDifference();
+  for (const half of document.querySelectorAll<HTMLElement>("#beside .half")) half.hidden = on;
   by_id("show-difference").setAttribute("aria-pressed", String(on));
 }
 
@@ -405,7 +398,7 @@ function hold_language(is_held: boolean): void {
 function change_language(name: string): void {
   speak(name);
   tell_reason();
-  pair.speak();
+  side_by_side.speak();
   panel.speak();
   if (history.shown) {
     load_report(history.shown);
@@ -426,9 +419,9 @@ function connect(): void {
   click("example-patient", () => begin(patient));
   click("example-vase", () => begin(vase, [["triangles", "5120,1280,320"]]));
   click("cancel", cancel);
-  click("open-pair", show_pair);
+  click("open-beside", show_beside);
   click("show-difference", () => show_difference(by_id("both").hidden !== false));
-  click("save-pair", () => save(as_zip(pair.files), "dynasurf-results.zip", "application/zip"));
+  click("save-beside", () => save(as_zip(side_by_side.files), "dynasurf-results.zip", "application/zip"));
   for (const button of document.querySelectorAll(".to-list")) button.addEventListener("click", show_studies);
   const saved = (name: string) => fileOf(history.shown?.result ?? [], name);
   click("save-report", () => save(saved("report.html"), "report.html", "text/html"));

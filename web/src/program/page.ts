@@ -4,7 +4,7 @@ import { Refusal } from "./files";
 import { stage_name, text } from "./texts";
 
 export const by_id = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const views = ["start", "studies", "working", "failure", "result", "pair"] as const;
+const views = ["start", "studies", "working", "failure", "result", "beside"] as const;
 
 /** Says again why something failed. */
 let say_reason = (): void => {};

@@ -1,8 +1,11 @@
-// A folder of several studies, scans and results: a list with a picture of each, one to open, two to see side by side.
+// A folder of several studies, scans and results: a list with a picture of each, one to open, some to see side by side.
 import { isScan, type Numbers, numbersOf, numbersText, taskOf } from "./history";
 import type { Piece } from "./job";
 import type { FoundResult } from "./results";
 import { text, told } from "./texts";
+
+/** So many can be seen side by side: a browser draws some sixteen scenes, and a report has several. */
+const most_beside = 4;
 
 /** A study among the files that were given. */
 export interface Found {
@@ -59,8 +62,11 @@ async function numbersIn({ given }: FoundResult): Promise<Numbers | null> {
   return numbersOf([{ path: "dynasurf-result/results.json", bytes: new Uint8Array(await file.arrayBuffer()) }]);
 }
 
-export const resultsIn = (results: FoundResult[]): Promise<Found[]> =>
-  Promise.all(results.map(async (result) => ({ place: result.place, what: "", examination: null, files: [], result, numbers: await numbersIn(result).catch(() => null) })));
+/** By name, since a folder that is dropped tells its files in any order. */
+export async function resultsIn(results: FoundResult[]): Promise<Found[]> {
+  const found = await Promise.all(results.map(async (result) => ({ place: result.place, what: "", examination: null, files: [], result, numbers: await numbersIn(result).catch(() => null) })));
+  return found.sort((a, b) => a.place.localeCompare(b.place, undefined, { numeric: true }));
+}
 
 /** What a study or a result is, in the language of the page. */
 export function wordsOf({ what, files, result, numbers }: Found): string {
@@ -112,8 +118,8 @@ export class StudyList {
   constructor(
     private readonly list: HTMLElement,
     private readonly open: (study: Found) => void,
-    /** Two are chosen, or not. */
-    private readonly on_choice: (is_pair: boolean) => void,
+    /** So many are chosen as can be seen side by side, or not. */
+    private readonly on_choice: (can_be_opened: boolean) => void,
   ) {}
 
   /** `describe` asks the program for a study's `info --json --picture`; null: it could not be read. */
@@ -138,11 +144,11 @@ export class StudyList {
     }
   }
 
-  /** The two that are chosen, rest before stress. */
-  get pair(): [Found, Found] | null {
-    const [a, b, ...more] = this.studies.filter((_, n) => this.boxes[n]!.checked);
-    if (!a || !b || more.length > 0 || ![a, b].every(is_heart)) return null;
-    return restAndStress(a, b) ?? [a, b];
+  /** Those that are chosen, of two rest before stress; null: they cannot be seen side by side. */
+  get chosen(): Found[] | null {
+    const all = this.studies.filter((_, n) => this.boxes[n]!.checked);
+    if (all.length < 2 || all.length > most_beside || !all.every(is_heart)) return null;
+    return (all.length === 2 ? restAndStress(all[0]!, all[1]!) : null) ?? all;
   }
 
   /** Chooses rest and stress of an examination, where there is one pair. */
@@ -151,7 +157,7 @@ export class StudyList {
       this.studies.slice(i + 1).filter((b) => restAndStress(a, b) && a.examination === b.examination).map((b) => [a, b]),
     );
     if (pairs.length === 1) this.studies.forEach((study, n) => (this.boxes[n]!.checked = pairs[0]!.includes(study)));
-    this.on_choice(this.pair !== null);
+    this.on_choice(this.chosen !== null);
   }
 
   private entry(study: Found): { item: HTMLElement; canvas: HTMLCanvasElement } {
@@ -165,7 +171,7 @@ export class StudyList {
     canvas.setAttribute("aria-hidden", "true");
     name.textContent = study.place;
     words.textContent = wordsOf(study);
-    box.addEventListener("change", () => this.on_choice(this.pair !== null));
+    box.addEventListener("change", () => this.on_choice(this.chosen !== null));
     open.setAttribute("aria-label", `${text("open")}: ${study.place}`);
     open.addEventListener("click", () => this.open(study));
     this.boxes.push(box);

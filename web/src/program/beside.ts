@@ -1,4 +1,5 @@
-// Two studies side by side: a report each, beats that go together, the difference of their numbers and maps.
+// Studies side by side: a report each, beats that go together; of two the difference of their numbers, of rest and stress
+// that of their maps.
 import type { FromPage, FromReport } from "../host";
 import { load } from "./frames";
 import { figure, fileOf, numbersOf, taskOf } from "./history";
@@ -7,14 +8,16 @@ import { openResult } from "./results";
 import { type Found, restAndStress, wordsOf } from "./studies";
 import { spoken, text, told, translated } from "./texts";
 
-const folders = ["first", "second"] as const;
+/** Folders of the results, one for each study. */
+const folders = ["first", "second", "third", "fourth"] as const;
+type Folder = (typeof folders)[number];
 
-/** Both studies are read, unless they are results already, then compared where they are of rest and stress. */
-export async function pairJob(pair: [Found, Found]): Promise<Job> {
+/** All studies are read, unless they are results already; two of rest and stress are compared. */
+export async function besideJob(studies: Found[]): Promise<Job> {
   const below = (path: string, folder: string) => path.replace(/^(\/?)in\b/, `$1of-${folder}`);
   const files: Piece[] = [];
   const commands: string[][] = [];
-  for (const [n, study] of pair.entries()) {
+  for (const [n, study] of studies.entries()) {
     const folder = folders[n]!;
     if (study.result) {
       const { result } = await openResult(study.result, []);
@@ -24,24 +27,30 @@ export async function pairJob(pair: [Found, Found]): Promise<Job> {
     for (const { path, bytes } of study.files) files.push({ path: below(path, folder), bytes: bytes.slice() });
     commands.push(["ventricle", ...taskOf(study.files).inputs.map((input) => below(input, folder)), "--out", `/${folder}`]);
   }
-  if (restAndStress(...pair)) commands.push(["perfusion", "compare", "/first", "/second", "--out", "/both"]);
+  const [a, b, ...more] = studies;
+  if (more.length === 0 && restAndStress(a!, b!)) commands.push(["perfusion", "compare", "/first", "/second", "--out", "/both"]);
   return { files, commands, wanted: [...folders, "both"] };
 }
+
+/** Whether the job made a report of each study. */
+export const hasAll = (files: Piece[], studies: Found[]): boolean =>
+  studies.every((_, n) => files.some(({ path }) => path === `${folders[n]}/report.html`));
 
 const partOf = (result: Piece[], folder: string) =>
   result.filter(({ path }) => path.startsWith(`${folder}/`)).map(({ path, bytes }) => ({ path: path.replace(`${folder}/`, "dynasurf-result/"), bytes }));
 
-export class Pair {
+export class SideBySide {
+  private frames: HTMLIFrameElement[] = [];
   private leader = 0;
   private result: Piece[] = [];
   private difference = "";
   /** The last error that the program told. */
   private line = "";
-  private shown: [Found, Found] | null = null;
+  private shown: Found[] = [];
 
   constructor(
-    private readonly frames: [HTMLIFrameElement, HTMLIFrameElement],
-    private readonly titles: [HTMLElement, HTMLElement],
+    /** Holds the reports, and after them the page of the difference. */
+    private readonly stand: HTMLElement,
     private both: HTMLIFrameElement,
     private readonly numbers: HTMLElement,
     private readonly complaint: HTMLElement,
@@ -60,7 +69,7 @@ export class Pair {
 
   /** Why there is no difference, in the program's words; its folders are called by where the studies came from. */
   private tellComplaint(): void {
-    const reason = this.line.replace(/\/?\b(first|second)\b/, (_, folder: "first" | "second") => this.shown![folders.indexOf(folder)]!.place);
+    const reason = this.line.replace(/\/?\b(first|second|third|fourth)\b/, (_, folder: Folder) => this.shown[folders.indexOf(folder)]!.place);
     const is_told = !this.difference && reason !== "";
     this.complaint.textContent = is_told ? text("not_compared", { reason: told(reason) }) : "";
     this.complaint.title = is_told && told(reason) !== reason ? reason : "";
@@ -68,31 +77,40 @@ export class Pair {
 
   /** Again in the language of the page. */
   speak(): void {
-    if (!this.shown) return;
+    if (this.shown.length === 0) return;
     const is_compared = this.both.srcdoc === this.difference;
     this.show(this.shown, this.result, this.line);
     if (is_compared) this.showDifference();
   }
 
-  show(pair: [Found, Found], result: Piece[], line = ""): void {
-    this.shown = pair;
+  show(studies: Found[], result: Piece[], line = ""): void {
+    this.shown = studies;
     this.line = line;
     this.result = result;
     this.leader = 0;
     const page = (folder: string, name: string, in_words: (page: Uint8Array) => string) => in_words(fileOf(partOf(result, folder), name));
-    folders.forEach((folder, n) => {
-      this.frames[n] = load(this.frames[n]!, page(folder, "report.html", spoken));
-      this.titles[n]!.textContent = `${pair[n]!.place} · ${wordsOf(pair[n]!)}`;
+    for (const half of this.stand.querySelectorAll(".half")) half.remove();
+    this.frames = studies.map((study, n) => {
+      const half = document.createElement("div");
+      const title = document.createElement("h2");
+      const frame = Object.assign(document.createElement("iframe"), { id: folders[n]!, allow: "fullscreen *", title: `${text("report")}: ${study.place}` });
+      half.className = "half";
+      title.id = `${folders[n]}-title`;
+      title.textContent = `${study.place} · ${wordsOf(study)}`;
+      half.append(title, frame);
+      this.both.before(half);
+      return load(frame, page(folders[n]!, "report.html", spoken));
     });
     const is_compared = result.some(({ path }) => path === "both/comparison.html");
     this.difference = is_compared ? page("both", "comparison.html", translated) : "";
     this.tellComplaint();
-    const [a, b] = folders.map((folder) => numbersOf(partOf(result, folder)));
+    const all = studies.map((_, n) => numbersOf(partOf(result, folders[n]!))!);
     this.numbers.textContent = (["edv_ml", "esv_ml", "ef_percent"] as const)
       .map((key) => {
-        const [left, right] = [a![key], b![key]];
-        const change = left === null || right === null ? "" : ` (${right < left ? "−" : "+"}${figure(Math.abs(right - left))})`;
-        return text(`pair_${key}`, { a: figure(left), b: figure(right) }) + change;
+        const [first = null, ...others] = all.map((numbers) => numbers[key]);
+        const other = others.length === 1 ? others[0]! : null;
+        const change = first === null || other === null ? "" : ` (${other < first ? "−" : "+"}${figure(Math.abs(other - first))})`;
+        return text(`beside_${key}`, { a: figure(first), b: others.map(figure).join(" → ") }) + change;
       })
       .join(" · ");
   }
@@ -102,14 +120,14 @@ export class Pair {
     if (this.difference && this.both.srcdoc !== this.difference) this.both = load(this.both, this.difference);
   }
 
-  /** The report that was touched last leads; the other follows its beat. */
+  /** The report that was touched last leads; the others follow its beat. */
   private hear({ source, data }: MessageEvent<FromReport>): void {
     const from = this.frames.findIndex((frame) => frame.contentWindow === source);
     if (from < 0 || data?.dynasurf !== "report") return;
-    const tell = (to: number, words: FromPage) => this.frames[to]!.contentWindow?.postMessage(words, "*");
-    if (data.word === "ready") tell(from, { dynasurf: "page", word: "share" });
+    const tell = (frame: HTMLIFrameElement | undefined, words: FromPage) => frame?.contentWindow?.postMessage(words, "*");
+    if (data.word === "ready") tell(this.frames[from], { dynasurf: "page", word: "share" });
     if (data.word === "touched") this.leader = from;
     if (data.word !== "beat" || from !== this.leader) return;
-    tell(1 - from, { dynasurf: "page", word: "beat", share: data.share });
+    for (const [to, frame] of this.frames.entries()) if (to !== from) tell(frame, { dynasurf: "page", word: "beat", share: data.share });
   }
 }
