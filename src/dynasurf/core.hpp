@@ -10,6 +10,7 @@
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/core/point_cloud.hpp"
 #include "dynasurf/core/progress.hpp"
+#include "dynasurf/core/stage_cache.hpp"
 #include "dynasurf/core/study.hpp"
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"

@@ -24,12 +24,7 @@ std::string options_up_to(Stage stage, const Options& options) {
   return dynasurf::options_up_to<Stage>(stage, first_touched, options);
 }
 
-StageCache::StageCache() : kept_(std::make_unique<Kept>()) {}
-StageCache::~StageCache() = default;
-StageCache::StageCache(StageCache&&) noexcept = default;
-StageCache& StageCache::operator=(StageCache&&) noexcept = default;
-
-void StageCache::Kept::begin(const PointCloud& of) {
+void KeptStages::begin(const PointCloud& of) {
   if (cloud == of) return;
   *this = {};
   cloud = of;

@@ -274,7 +274,7 @@ void add(MeasuredLevel made, Result& result) {
 }
 
 /// The body that was kept of the same, or that is found.
-FoundBody body_of(const PreparedCloud& p, const Options& options, StageCache::Kept* kept, Result& result,
+FoundBody body_of(const PreparedCloud& p, const Options& options, KeptStages* kept, Result& result,
                   const Progress& progress) {
   const int cells = cells_for(p.facts, p.cloud.points, options, options.triangles.front());
   if (kept == nullptr) return find_body(p, options, cells, result, progress);
@@ -290,7 +290,7 @@ FoundBody body_of(const PreparedCloud& p, const Options& options, StageCache::Ke
 }
 
 void reconstruct_fitted(const PreparedCloud& p, const Options& options, const std::vector<int>& triangles,
-                        StageCache::Kept* kept, Result& result, const Progress& progress) {
+                        KeptStages* kept, Result& result, const Progress& progress) {
   FoundBody found = body_of(p, options, kept, result, progress);
   const Body& body = found.body;
   result.facts.parts = body.parts;
@@ -350,7 +350,7 @@ void reconstruct_fitted(const PreparedCloud& p, const Options& options, const st
 Result reconstruct(PointCloud cloud, const Options& options, const Progress& progress, StageCache* cache) {
   check(options);
   const std::vector<int>& triangles = options.triangles;
-  StageCache::Kept* const kept = cache == nullptr ? nullptr : &cache->kept();
+  KeptStages* const kept = cache == nullptr ? nullptr : &cache->kept();
   if (kept != nullptr) kept->begin(cloud);
   progress("points", 0, 1);
   const auto prepare_points = [&] {

@@ -53,12 +53,7 @@ std::string options_up_to(Stage stage, const Options& options) {
   return text;
 }
 
-StageCache::StageCache() : kept_(std::make_unique<Kept>()) {}
-StageCache::~StageCache() = default;
-StageCache::StageCache(StageCache&&) noexcept = default;
-StageCache& StageCache::operator=(StageCache&&) noexcept = default;
-
-void StageCache::Kept::begin(const Study& of, const Image* mask_of, const TriMesh* start_of) {
+void KeptStages::begin(const Study& of, const Image* mask_of, const TriMesh* start_of) {
   if (study == of && is_same(mask, mask_of) && is_same(start, start_of)) return;
   *this = {};
   study = of;

@@ -37,9 +37,9 @@ enum class Stage { points, body, levels };
 /// All options that the stages up to this one depend on, with their values.
 std::string options_up_to(Stage stage, const Options& options);
 
-struct StageCache::Kept {
+struct KeptStages {
   std::optional<PointCloud> cloud;
-  Memo<std::shared_ptr<PreparedCloud>> points;  // as they were prepared: nobody changes them
+  Memo<std::shared_ptr<PreparedCloud>> points;  // not copied: its tree refers to its points
   Memo<BodyStage> body;
 
   /// Forgets everything unless it was found of the same.

@@ -36,7 +36,7 @@ enum class Stage { location, borders, surfaces, readings, measures };
 /// All options that the stages up to this one depend on, with their values.
 std::string options_up_to(Stage stage, const Options& options);
 
-struct StageCache::Kept {
+struct KeptStages {
   std::optional<Study> study;
   std::optional<Image> mask;
   std::optional<TriMesh> start;
@@ -52,23 +52,23 @@ struct StageCache::Kept {
 class StageKeeper {
  public:
   /// With a null `kept` nothing is kept. The options must outlive it.
-  explicit StageKeeper(const Options& options, StageCache::Kept* kept = nullptr) : options_(options), kept_(kept) {}
+  explicit StageKeeper(const Options& options, KeptStages* kept = nullptr) : options_(options), kept_(kept) {}
 
   std::optional<heart::Location> location(auto&& make) const {
-    return value(Stage::location, &StageCache::Kept::location, make);
+    return value(Stage::location, &KeptStages::location, make);
   }
-  StudyRun borders(auto&& make) const { return value(Stage::borders, &StageCache::Kept::borders, make); }
-  StudyRun surfaces(auto&& make) const { return value(Stage::surfaces, &StageCache::Kept::surfaces, make); }
-  OtherReadings readings(auto&& make) const { return value(Stage::readings, &StageCache::Kept::readings, make); }
+  StudyRun borders(auto&& make) const { return value(Stage::borders, &KeptStages::borders, make); }
+  StudyRun surfaces(auto&& make) const { return value(Stage::surfaces, &KeptStages::surfaces, make); }
+  OtherReadings readings(auto&& make) const { return value(Stage::readings, &KeptStages::readings, make); }
 
  private:
   template <class Value>
-  Value value(Stage stage, Memo<Value> StageCache::Kept::*memo, auto&& make) const {
+  Value value(Stage stage, Memo<Value> KeptStages::*memo, auto&& make) const {
     return kept_ == nullptr ? make() : (kept_->*memo)(options_up_to(stage, options_), make);
   }
 
   const Options& options_;
-  StageCache::Kept* kept_;
+  KeptStages* kept_;
 };
 
 }  // namespace dynasurf::ventricle
