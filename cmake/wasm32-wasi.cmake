@@ -4,6 +4,7 @@
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
 set(CMAKE_EXECUTABLE_SUFFIX .wasm)
+set(DYNASURF_WITH_WORKERS ON) # threads are started by the page
 
 get_filename_component(wasi_source ${CMAKE_CURRENT_LIST_DIR}/wasi REALPATH)
 get_filename_component(wasi_project ${CMAKE_CURRENT_LIST_DIR}/.. REALPATH)
@@ -20,22 +21,25 @@ set(CMAKE_C_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 
-# Exceptions and setjmp by WebAssembly's own exceptions, vectors of 16 bytes. The folders of wasi/ and of the C++
+# Exceptions and setjmp by WebAssembly's own exceptions, vectors of 16 bytes, threads. The folders of wasi/ and of the C++
 # library come before those of the system, which have neither.
 string(JOIN " " wasi_flags
-  "-fwasm-exceptions -mllvm -wasm-enable-sjlj -msimd128"
+  "-fwasm-exceptions -mllvm -wasm-enable-sjlj -msimd128 -pthread"
   "-D_GNU_SOURCE -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_PROCESS_CLOCKS -D_WASI_EMULATED_GETPID")
 set(wasi_folders "-isystem ${wasi_source}/include -isystem ${DYNASURF_WASI_PREFIX}/include")
 set(CMAKE_C_FLAGS_INIT "${wasi_flags} ${wasi_folders}")
+# The page ends a program: nothing is destroyed at its end or at that of a thread.
 string(JOIN " " CMAKE_CXX_FLAGS_INIT
-  "${wasi_flags} -nostdinc++ -isystem ${wasi_source}/include/c++"
+  "${wasi_flags} -fno-c++-static-destructors -nostdinc++ -isystem ${wasi_source}/include/c++"
   "-isystem /usr/lib/llvm-19/include/wasm32-wasi/c++/v1 ${wasi_folders}"
   "-D_LIBCPP_ENABLE_EXPERIMENTAL")
 
-# Eight megabytes of stack, as Linux gives, below everything else: an overflow traps instead of overwriting data.
+# Eight megabytes of stack, as Linux gives, below everything else: an overflow traps instead of overwriting data. The
+# memory is the page's, which hands it to all threads.
 string(JOIN " " CMAKE_EXE_LINKER_FLAGS_INIT
-  "-nostdlib++ -L${DYNASURF_WASI_PREFIX}/lib -Wl,-z,stack-size=8388608,--stack-first,--max-memory=4294967296"
-  "-Wl,--strip-all")
+  "-nostdlib++ -L${DYNASURF_WASI_PREFIX}/lib -Wl,-z,stack-size=8388608,--stack-first"
+  "-Wl,--import-memory,--max-memory=4294967296,--strip-all"
+  "-Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=posix_memalign,--wrap=aligned_alloc,--wrap=sbrk")
 set(CMAKE_CXX_STANDARD_LIBRARIES
     "-lc++ -lc++abi -ldynasurf-wasi -lwasi-emulated-signal -lwasi-emulated-process-clocks -lwasi-emulated-getpid")
 

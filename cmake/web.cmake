@@ -72,9 +72,11 @@ function(dynasurf_program_page)
   add_custom_target(dynasurf_page DEPENDS ${page})
 endfunction()
 
-# dynasurf_called_by_page(target): a program that stays between its runs, each of which is a call of main.
+# dynasurf_called_by_page(target): a program that stays between its runs, each of which is a call of main, and what a
+# thread that the page starts needs.
 function(dynasurf_called_by_page target)
-  target_link_options(${target} PRIVATE -mexec-model=reactor -Wl,--export=__main_void)
+  target_link_options(${target} PRIVATE -mexec-model=reactor -Wl,--export=__main_void
+                      -Wl,--export=__stack_pointer,--export=__wasm_init_tls,--export=__tls_size)
 endfunction()
 
 # dynasurf_browser_tests(): the tests of the rooms that read no files, compiled for a browser, in which

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync } from "node:fs";
+import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium, firefox } from "playwright-core";
@@ -88,6 +89,18 @@ export async function withBrowser(work, { width = 1400, height = 1000, webgl = t
     leave?.();
     rmSync(profile, { recursive: true, force: true });
   }
+}
+
+/** A page as a server of a clinic gives it, isolated from all others: it may then share memory between its threads. */
+export async function serve(path) {
+  const headers = {
+    "Content-Type": "text/html; charset=utf-8",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Embedder-Policy": "require-corp",
+  };
+  const server = createServer((_, answer) => answer.writeHead(200, headers).end(readFileSync(path)));
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  return { url: `http://127.0.0.1:${server.address().port}/`, close: () => server.close() };
 }
 
 // Before a picture is taken of Firefox, the driver puts an empty style into the page, whose policy refuses it aloud.

@@ -11,21 +11,23 @@ const programs = existsSync(folder) ? readdirSync(folder).filter((name) => name.
 if (programs.length === 0) skip(`no tests in ${folder}; after ./dev web, ninja -C build/web browser_tests makes them`);
 needBrowser();
 const worker = await bundle("program/worker.ts");
+const memory = await bundle("program/memory.ts", {}, "cjs");
 
 /** Runs a program in a worker of the page; its exit code and what it prints. */
 const run = (page, bytes) =>
   page.evaluate(
-    async ([script, program]) => {
-      const engine = await WebAssembly.compile(Uint8Array.from(atob(program), (letter) => letter.charCodeAt(0)));
+    async ([script, memory, program]) => {
+      const { compile } = eval(`(() => { const module = {}; ${memory}; return module.exports; })()`);
+      const engine = await compile(Uint8Array.from(atob(program), (letter) => letter.charCodeAt(0)), false);
       const mine = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
       return new Promise((done) => {
         mine.onerror = ({ message }) => done({ code: -1, output: message });
-        mine.onmessage = ({ data }) => data.kind !== "line" && done(data.kind === "end" ? { code: data.code, output: data.output } : { code: -1, output: data.reason });
-        mine.postMessage(engine);
+        mine.onmessage = ({ data }) => /end|lost/.test(data.kind) && done(data.kind === "end" ? { code: data.code, output: data.output } : { code: -1, output: data.reason });
+        mine.postMessage({ engine });
         mine.postMessage({ files: [], commands: [["--gtest_brief=1"]], wanted: [] });
       });
     },
-    [worker, bytes.toString("base64")],
+    [worker, memory, bytes.toString("base64")],
   );
 
 await withBrowser(async (context) => {

@@ -7,7 +7,8 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { inflateSync } from "node:zlib";
 import { gunzipSync, unzipSync, zipSync } from "fflate";
-import { check, downloaded, finish, isOfDriver, needBrowser, paleTexts, skip, withBrowser } from "./browser.mjs";
+import { bundle } from "../bundle.mjs";
+import { check, downloaded, finish, isOfDriver, needBrowser, paleTexts, serve, skip, withBrowser } from "./browser.mjs";
 import { german, notGerman, saidIn } from "./words.mjs";
 
 const [page_path, native, screenshots] = process.argv.slice(2).map((path) => resolve(path));
@@ -194,7 +195,7 @@ const tests = {
   async "makes levels of detail of the vase"(page) {
     await page.waitForFunction(() => document.documentElement.dataset.warm === "true", null, { timeout: most_wait });
     const seconds =
-      run_native("phantom", "cloud", "--set", "shape=vase", "--set", "points=30000", "--set", "noise_percent=0.1", "--out", "vase", "--quiet", "--threads", "1") +
+      run_native("phantom", "cloud", "--set", "shape=vase", "--set", "points=30000", "--set", "noise_percent=0.1", "--out", "vase", "--replace", "--quiet", "--threads", "1") +
       run_native("cloud", "vase/cloud.ply", "--out", "vase/native", "--triangles", "5120,1280,320", "--threads", "1");
     await page.click("#example-vase");
     const mine = await saved(page);
@@ -475,6 +476,25 @@ const tests = {
     await same_as_native("--set", "manual.radius_mm=40");
   },
 
+  async "tells why there is no preview where its program cannot start"(page) {
+    await page.click("#example-patient");
+    await saved(page);
+    const frame = await report_is_drawn(page);
+    await page.evaluate(() => {
+      const Plain = Worker;
+      Worker = class extends Plain {
+        constructor() {
+          super(URL.createObjectURL(new Blob(["throw new Error('no room')"], { type: "text/javascript" })));
+        }
+      };
+    });
+    await frame.click("#toggle-hand");
+    await frame.fill("#hand-radius_mm", "40");
+    await frame.press("#hand-radius_mm", "Enter");
+    await frame.waitForFunction(() => document.getElementById("preview").textContent, null, { timeout: most_wait });
+    assert.match(await frame.locator("#preview").innerText(), /^No preview: The program stopped unexpectedly \(.*no room\)\.$/);
+  },
+
   async "does again what a change touches, as the native program does all of it"(page) {
     const again = async (path, value) => {
       await page.fill("#search", path);
@@ -722,6 +742,7 @@ const tests = {
   },
 
   async "shows four results side by side in one beat, and no more"(page) {
+    await page.emulateMedia({ reducedMotion: "reduce" }); // four beats drawn without a graphics card take all of a processor
     small_study();
     rmSync(join(work, "several"), { recursive: true, force: true });
     mkdirSync(join(work, "several"));
@@ -913,34 +934,23 @@ const tests = {
 
   async "tells that memory ended, and goes on"(page, context) {
     const other = await context.newPage();
-    // A program that may have 48 MiB: the upper bound stands in the section of memories (5), as a number of 64 KiB.
+    // A program that may have 48 MiB: its worker makes the memory, or the page where threads share it.
     await other.addInitScript(() => {
-      const compile = WebAssembly.compile.bind(WebAssembly);
-      WebAssembly.compile = (buffer) => {
-        const bytes = new Uint8Array(buffer);
-        let at = 8;
-        const number = () => {
-          let value = 0;
-          for (let shift = 0; ; shift += 7) {
-            const byte = bytes[at++];
-            value += (byte & 127) * 2 ** shift;
-            if (byte < 128) return value;
-          }
+      const lessMemory = () => {
+        const Memory = WebAssembly.Memory;
+        WebAssembly.Memory = function (wanted) {
+          return new Memory({ ...wanted, maximum: 768 });
         };
-        while (bytes[at++] !== 5) {
-          const size = number();
-          at += size;
+      };
+      lessMemory();
+      const Plain = Blob;
+      Blob = class extends Plain {
+        constructor(parts, facts) {
+          super(facts?.type === "text/javascript" ? [`(${lessMemory})();`, ...parts] : parts, facts);
         }
-        number(), number(); // its size, one memory
-        if (!(bytes[at++] & 1)) throw new Error("the program has no upper bound of memory");
-        number();
-        const bound = at;
-        number();
-        for (let n = bound, left = 768; n < at; ++n, left >>= 7) bytes[n] = (left & 127) | (n < at - 1 ? 128 : 0);
-        return compile(bytes);
       };
     });
-    await other.goto(`file://${page_path}`);
+    await other.goto(page.url());
     await other.click("#example-patient");
     await until_view(other, "failure", "result");
     assert.match(await reason(other), /^Out of memory: (4\d|50) MB were in use\. A smaller study/);
@@ -1142,13 +1152,41 @@ const tests = {
   },
 };
 
+// Where the page is served with the headers that isolate it, it has threads.
+const served_tests = {
+  async "served: its threads take pieces of loops, no more of them than it is told"(page) {
+    assert.ok(await page.evaluate(() => self.crossOriginIsolated));
+    const engine = await bundle("program/engine.ts", { WORKER: JSON.stringify(await bundle("program/worker.ts")) }, "cjs");
+    await page.evaluate(`(() => { const module = {}; ${engine}; globalThis.Runner = module.exports.Runner; })()`);
+    const threads_of_run = async (...words) => {
+      const run = ["ventricle", "/patient/study.dcm", "--out", "/heart", "--trace", "/wanted/trace.json", ...words];
+      const { code, reason, trace } = await page.evaluate(
+        async (commands) => {
+          const { code, output, reason, files } = await new Runner().run({ files: [], commands, wanted: ["wanted"] });
+          return { code, reason: reason ?? output, trace: files && new TextDecoder().decode(files[0]?.bytes) };
+        },
+        [["phantom", "patient", "--out", "/patient"], run],
+      );
+      assert.equal(code, 0, reason);
+      return new Set(JSON.parse(trace).traceEvents.filter(({ cat }) => cat === "piece").map(({ tid }) => tid)).size;
+    };
+    const processors = await page.evaluate(() => navigator.hardwareConcurrency);
+    assert.ok(processors > 1, "this machine has one processor: no test of threads");
+    assert.equal(await threads_of_run(), Math.min(processors, 8));
+    assert.equal(await threads_of_run("--threads", "1"), 1);
+  },
+};
+for (const name of ["computes the virtual patient as the native program does", "makes levels of detail of the vase"])
+  served_tests[`served: ${name}`] = tests[name];
+
 run_native("phantom", "patient", "--seed", "1", "--out", "patient", "--quiet");
+const server = await serve(page_path);
 await withBrowser(
   async (context) => {
-    for (const [name, test] of Object.entries(tests).filter(([name]) => new RegExp(process.env.ONLY ?? "").test(name)))
+    for (const [name, test] of Object.entries({ ...tests, ...served_tests }).filter(([name]) => new RegExp(process.env.ONLY ?? "").test(name)))
       await check(name, async () => {
         const page = await context.newPage();
-        const url = `file://${page_path}`;
+        const url = process.env.SERVED || name in served_tests ? server.url : `file://${page_path}`;
         const requests = [];
         const words = [];
         page.on("request", (request) => {
@@ -1170,5 +1208,6 @@ await withBrowser(
   },
   { width: 1280, height: 720, acceptDownloads: true },
 );
+server.close();
 rmSync(work, { recursive: true, force: true });
 finish();

@@ -16,6 +16,9 @@ double parallel_sum(std::size_t count, std::size_t grain, const std::function<do
 /// Largest of `body(begin, end)` over the pieces; 0 when there are none.
 double parallel_max(std::size_t count, std::size_t grain, const std::function<double(std::size_t, std::size_t)>& body);
 
+/// Calls `body(n)` for each n in [0, count) from as many threads as there are that may read and write files.
+void parallel_for_files(std::size_t count, const std::function<void(std::size_t)>& body);
+
 /// While it lives, at most `threads` threads work in parallel loops (0: as many as the machine has). Starts the
 /// scheduler of oneTBB, so that what it needs is missed here and not within a loop.
 class ThreadLimit {

@@ -8,6 +8,10 @@ void detail::run_pieces(std::size_t pieces, const std::function<void(std::size_t
   for (std::size_t p = 0; p < pieces; ++p) piece(p);
 }
 
+void parallel_for_files(std::size_t count, const std::function<void(std::size_t)>& body) {
+  detail::run_noted_pieces(count, body);
+}
+
 struct ThreadLimit::State {};
 
 ThreadLimit::ThreadLimit(int) {}

@@ -58,6 +58,10 @@ void detail::run_pieces(std::size_t pieces, const std::function<void(std::size_t
 }
 #endif
 
+void parallel_for_files(std::size_t count, const std::function<void(std::size_t)>& body) {
+  detail::run_noted_pieces(count, body);
+}
+
 namespace {
 
 std::ptrdiff_t threads_of_process() {

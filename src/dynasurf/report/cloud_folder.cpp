@@ -53,7 +53,7 @@ void write_levels(const cloud::Result& result, const CloudFolderOptions& options
 
 void write_cloud_files(const CloudRun& run, const Provenance& provenance, const CloudFolderOptions& options,
                        const fs::path& folder) {
-  parallel_for(2, 1, [&](std::size_t task, std::size_t) {
+  parallel_for_files(2, [&](std::size_t task) {
     if (task == 0) write_levels(run.result, options, folder);
     // The page tells no times, so that equal runs give equal pages.
     if (task == 1) write_cloud_report(run, provenance, folder / "report.html", Timings::omit);

@@ -175,7 +175,7 @@ void write_study_files(const ventricle::Result& result, const Provenance& proven
                                                     : options.results_text);
         io::write_file(folder / "results.csv", results_csv(result));
       }};
-  parallel_for(std::size(writers), 1, [&](std::size_t n, std::size_t) { writers[n](); });
+  parallel_for_files(std::size(writers), [&](std::size_t n) { writers[n](); });
 }
 
 void write_study_folder(const ventricle::Result& result, const fs::path& out, const Provenance& provenance,

@@ -1,17 +1,18 @@
 // The program in workers: it is compiled once. A job has a worker of its own, whose memory ends with it, or that of the job
 // before, where what was found there may be used again.
 import { bytesOf } from "./base85";
-import type { Job, Word } from "./job";
+import type { Beginning, Job, Ready, Word } from "./job";
+import { compile, newMemory, type Engine } from "./memory";
 
-declare const WORKER: string; // the script of the worker
+declare const WORKER: string; // the script of the workers
 
-let engine: Promise<WebAssembly.Module> | null = null;
+let engine: Promise<Engine> | null = null;
 
-async function unpack_engine(): Promise<WebAssembly.Module> {
+async function unpack_engine(): Promise<Engine> {
   // The program stands at the end of the page, which may still be on its way from a slow disk.
   if (document.readyState === "loading") await new Promise((done) => document.addEventListener("DOMContentLoaded", done));
   const stream = new Blob([bytesOf(document.getElementById("engine")!.textContent!.trim())]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+  return compile(new Uint8Array(await new Response(stream).arrayBuffer()), self.crossOriginIsolated);
 }
 
 let script: string | null = null;
@@ -19,6 +20,71 @@ let script: string | null = null;
 function startWorker(): Worker {
   script ??= URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
   return new Worker(script);
+}
+
+/** As many gates as a study often has. */
+const most_threads = 8;
+
+/** The worker that does a job, with those that help it where the browser lets them share its memory. They end together. */
+class Team {
+  private readonly first = startWorker();
+  private readonly helpers: Worker[] = [];
+  private engine: Engine | null = null;
+  private memory?: WebAssembly.Memory;
+  private stacks: number[] = [];
+  private tell: ((word: Word) => void) | null = null;
+
+  constructor() {
+    this.listen(this.first);
+  }
+
+  private listen(worker: Worker): void {
+    worker.onmessage = ({ data }: MessageEvent<Word | Ready>) => {
+      if (data.kind === "ready") this.stacks = data.stacks;
+      else this.tell?.(data);
+      this.callHelpers();
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      this.tell?.({ kind: "lost", reason: event.message, memory: 0 });
+    };
+  }
+
+  /** Gives it the program, once. */
+  begin(engine: Engine): void {
+    if (this.engine) return;
+    this.engine = engine;
+    try {
+      if (engine.is_shared) this.memory = newMemory(engine);
+    } catch {
+      // The first worker asks for it again, and tells.
+    }
+    const stacks = engine.is_shared ? Math.min(navigator.hardwareConcurrency, most_threads) - 1 : 0;
+    this.first.postMessage({ engine, memory: this.memory, stacks } satisfies Beginning);
+  }
+
+  /** A helper may come once the program has a stack for it, and is of use once there is a job. */
+  private callHelpers(): void {
+    if (!this.tell) return;
+    for (const stack of this.stacks.splice(0)) {
+      const helper = startWorker();
+      this.helpers.push(helper);
+      this.listen(helper);
+      helper.postMessage({ engine: this.engine!, memory: this.memory, stack } satisfies Beginning);
+    }
+  }
+
+  /** The bytes of the job's files are given away. */
+  run(job: Job, tell: (word: Word) => void): void {
+    this.tell = tell;
+    this.callHelpers();
+    this.first.postMessage(job, job.files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
+  }
+
+  terminate(): void {
+    this.tell = null;
+    for (const worker of [this.first, ...this.helpers]) worker.terminate();
+  }
 }
 
 /** A program that holds more memory than this ends with its job. */
@@ -29,9 +95,9 @@ const most_kept = 300e6;
  * `keeps` the next job has the worker of the last one, and what the program kept there, until `forget`.
  */
 export class Runner {
-  private worker: Worker | null = null;
-  private kept: Worker | null = null;
-  private spare: Worker | null = null;
+  private worker: Team | null = null;
+  private kept: Team | null = null;
+  private spare: Team | null = null;
 
   constructor(private readonly how: { ahead?: boolean; keeps?: boolean } = {}) {}
 
@@ -39,18 +105,17 @@ export class Runner {
   async run(job: Job, on_line: (word: Word & { kind: "line" }) => void = () => {}): Promise<Word> {
     engine ??= unpack_engine();
     this.stop();
-    const has_program = this.kept ?? this.spare;
-    const mine = has_program ?? startWorker();
+    const mine = this.kept ?? this.spare ?? new Team();
     if (this.kept) this.kept = null;
     else this.spare = null;
     this.worker = mine;
-    const module = await engine.catch((error: unknown) => {
+    const compiled = await engine.catch((error: unknown) => {
       engine = null;
       throw error;
     });
-    if (!has_program) mine.postMessage(module);
+    mine.begin(compiled);
     // Another job may have started one while the program was compiled.
-    if (this.how.ahead && !this.spare) (this.spare = startWorker()).postMessage(module);
+    if (this.how.ahead && !this.spare) (this.spare = new Team()).begin(compiled);
     return new Promise((done) => {
       const end = (word: Word) => {
         const is_mine = this.worker === mine;
@@ -60,12 +125,10 @@ export class Runner {
         else mine.terminate();
         done(word);
       };
-      mine.onmessage = (message: MessageEvent<Word>) => (message.data.kind === "line" ? on_line(message.data) : end(message.data));
-      mine.onerror = (event) => {
-        event.preventDefault();
-        end({ kind: "lost", reason: event.message, memory: 0 });
-      };
-      mine.postMessage(job, job.files.map(({ bytes }) => bytes.buffer as ArrayBuffer));
+      mine.run(job, (word) => {
+        if (word.kind === "line") on_line(word);
+        else end(word);
+      });
     });
   }
 

@@ -1,4 +1,21 @@
-// What the page and its worker say to each other. The page begins with the program (WebAssembly.Module).
+// What the page and its workers say to each other.
+import type { Engine } from "./memory";
+
+/** The page begins with the program. Where its memory is shared, the page has made it, and other workers may help it. */
+export interface Beginning {
+  engine: Engine;
+  memory?: WebAssembly.Memory;
+  /** How many stacks for helpers the program shall have ready. */
+  stacks?: number;
+  /** The stack of a worker that helps. */
+  stack?: number;
+}
+
+/** A worker has begun, and has stacks for helpers. */
+export interface Ready {
+  kind: "ready";
+  stacks: number[];
+}
 
 /** A file in memory: its path from the root, with slashes and without a leading one. */
 export interface Piece {
