@@ -306,6 +306,10 @@ await withBrowser(
       const { page, requests } = await openReport(context, path_of("ok"));
       assert.match(await text(page, "#tiles"), /3D needs WebGL/);
       assert.equal(await page.locator("#certificates thead th[data-level]").count(), 3);
+      const paper = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+      const before = await paper();
+      await page.keyboard.press("l");
+      assert.notEqual(await paper(), before);
       assert.deepEqual(requests, []);
     }),
   { webgl: false },

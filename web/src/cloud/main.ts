@@ -225,7 +225,18 @@ function buildMorph(view: Tiles, report: CloudReport): (look: Look) => void {
   };
 }
 
-function build3d(report: CloudReport, toggleTheme: () => void): void {
+type Keys = Record<string, () => void>;
+
+/** What each letter does, for more to be added. */
+function buildKeys(keys: Keys): Keys {
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || (event.target as HTMLElement).closest("input, select")) return;
+    keys[event.key.toLowerCase()]?.();
+  });
+  return keys;
+}
+
+function build3d(report: CloudReport, keys: Keys): void {
   const tiles = new Tiles(byId("tiles"), say("The cloud and its levels of detail. Drag to turn."), report.radius, 42);
   const morph = new Tiles(byId("morph-view"), say("A level that turns into the next. Drag to turn."), report.radius);
   labelTiles(byId("tiles"), report);
@@ -268,7 +279,7 @@ function build3d(report: CloudReport, toggleTheme: () => void): void {
     look.full = (report.full_error * (event.target as HTMLInputElement).valueAsNumber) / 100;
     dress();
   });
-  const keys: Record<string, () => void> = { r: () => tiles.reset(), l: toggleTheme };
+  keys.r = () => tiles.reset();
   for (const name of ["wire", "flat", "points", "made_up"] as const) {
     keys[name[0]!] = () => {
       look[name] = !look[name];
@@ -284,17 +295,13 @@ function build3d(report: CloudReport, toggleTheme: () => void): void {
     for (const view of [tiles, morph]) view.stand(z_up);
   };
   byId("toggle-z").addEventListener("click", keys.z);
-  byId("reset").addEventListener("click", keys.r!);
-  document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || (event.target as HTMLElement).closest("input, select")) return;
-    keys[event.key.toLowerCase()]?.();
-  });
+  byId("reset").addEventListener("click", keys.r);
   dress();
 }
 
 async function start(): Promise<void> {
   words.translate(document);
-  const toggleTheme = buildTheme(byId("theme"));
+  const keys = buildKeys({ l: buildTheme(byId("theme")) });
   const report = await readCloudReport(byId("data").textContent ?? "");
   const { results } = report;
   byId("subject").textContent = `${say("{n} points", { n: count(results.cloud.points) })} · ${say("{list} triangles", { list: results.levels.map((l) => count(l.triangles)).join(", ") })}`;
@@ -305,7 +312,7 @@ async function start(): Promise<void> {
   showProvenance(byId("provenance"), results);
   showOptions(byId("options"), results);
   try {
-    build3d(report, toggleTheme);
+    build3d(report, keys);
   } catch {
     for (const id of ["tiles", "morph-view"])
       byId(id).replaceChildren(html("div", { class: "message" }, html("strong", {}, say("3D needs WebGL")), html("p", {}, say("This browser offers none. The numbers are complete without it."))));
