@@ -21,8 +21,8 @@ set(CMAKE_C_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 
-# Exceptions and setjmp by WebAssembly's own exceptions, vectors of 16 bytes, threads. The folders of wasi/ and of the C++
-# library come before those of the system, which have neither.
+# Exceptions and setjmp by WebAssembly's own exceptions, vectors of 16 bytes, threads. The folders of wasi/ and of the
+# C++ library come before those of the system, which have neither.
 string(JOIN " " wasi_flags
   "-fwasm-exceptions -mllvm -wasm-enable-sjlj -msimd128 -pthread"
   "-D_GNU_SOURCE -D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_PROCESS_CLOCKS -D_WASI_EMULATED_GETPID")

@@ -1,7 +1,7 @@
 // The program in workers: it is compiled once. A job has a worker of its own, whose memory ends with it, or that of the job
 // before, where what was found there may be used again.
 import { bytesOf } from "./base85";
-import type { Beginning, Job, Ready, Word } from "./job";
+import type { Beginning, Help, Job, Ready, Word } from "./job";
 import { compile, newMemory, type Engine } from "./memory";
 
 declare const WORKER: string; // the script of the workers
@@ -70,7 +70,7 @@ class Team {
       const helper = startWorker();
       this.helpers.push(helper);
       this.listen(helper);
-      helper.postMessage({ engine: this.engine!, memory: this.memory, stack } satisfies Beginning);
+      helper.postMessage({ engine: this.engine!, memory: this.memory!, stack } satisfies Help);
     }
   }
 

@@ -1,14 +1,18 @@
 // What the page and its workers say to each other.
 import type { Engine } from "./memory";
 
-/** The page begins with the program. Where its memory is shared, the page has made it, and other workers may help it. */
+/** The page begins with the program. Where its memory is shared, the page has made it, and asks for stacks for helpers. */
 export interface Beginning {
   engine: Engine;
   memory?: WebAssembly.Memory;
-  /** How many stacks for helpers the program shall have ready. */
   stacks?: number;
-  /** The stack of a worker that helps. */
-  stack?: number;
+}
+
+/** Another worker takes pieces of the program's loops, on one of these stacks. */
+export interface Help {
+  engine: Engine;
+  memory: WebAssembly.Memory;
+  stack: number;
 }
 
 /** A worker has begun, and has stacks for helpers. */

@@ -2,7 +2,7 @@
 // time and random numbers.
 import { ConsoleStdout, PreopenDirectory, WASI, wasi as system } from "@bjorn3/browser_wasi_shim";
 import { files_in, nothing, tree_of } from "./files_in_memory";
-import type { Beginning, Job, Ready, Word } from "./job";
+import type { Beginning, Help, Job, Ready, Word } from "./job";
 import { newMemory } from "./memory";
 
 const say = (word: Word | Ready, moved: Transferable[] = []) => self.postMessage(word, { transfer: moved });
@@ -82,7 +82,7 @@ function run(job: Job): void {
 }
 
 /** Takes pieces of the program's loops, for ever. */
-function help({ engine, memory, stack }: Required<Beginning>): void {
+function help({ engine, memory, stack }: Help): void {
   const wasi = new WASI([], [], [nothing(), nothing(), to_page(() => memory.buffer.byteLength)], { debug: false });
   const thread = instance_of(engine.module, wasi, memory);
   wasi.initialize({ exports: { memory } });
@@ -92,9 +92,9 @@ function help({ engine, memory, stack }: Required<Beginning>): void {
   (thread.help as () => void)();
 }
 
-self.onmessage = ({ data }: MessageEvent<Beginning | Job>) => {
+self.onmessage = ({ data }: MessageEvent<Beginning | Help | Job>) => {
   if ("commands" in data) run(data);
-  else if (data.stack) help(data as Required<Beginning>);
+  else if ("stack" in data) help(data);
   else {
     beginning = data;
     begin();
