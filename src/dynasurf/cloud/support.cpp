@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "dynasurf/cloud/detail/feet.hpp"
 #include "dynasurf/cloud/detail/words.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
@@ -40,11 +41,6 @@ double confidence_of(const Vec3& place, const SupportingPoints& of, double& dist
   return std::min(1.0, within / distance);
 }
 
-Vec3 normal_of(const TriMesh& mesh, std::size_t t) {
-  const auto& [a, b, c] = mesh.triangles[t];
-  return (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).normalized();
-}
-
 void measure_area(const TriMesh& mesh, const SupportingPoints& of, CloudSupport& support) {
   const std::vector<mesh::SurfaceSample> places = mesh::sample_surface(mesh, samples);
   if (places.empty()) return;
@@ -65,28 +61,26 @@ double chord_of(const TriMesh& mesh, double area) {
   return of_edge * std::sqrt(area / std::max<std::size_t>(1, mesh.triangles.size()));
 }
 
-void measure_points(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
-                    CloudSupport& support) {
+/// `feet` are those of every `step`-th point.
+void measure_points(const Level& level, const SupportingPoints& of, std::span<const Foot> feet, std::size_t step,
+                    const mesh::ClosestPoint& closest, CloudSupport& support) {
   constexpr double left_out = 0.02;  // of the diagonal
-  const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
+  const std::size_t asked = feet.size();
   const Facts& f = of.facts;
   const double chord = chord_of(level.mesh, level.certificate.area);
   const double explained = 3 * f.noise + 0.5 * f.spacing + 2 * chord;
-  std::vector<double> off(asked);
-  parallel_for(asked, sample_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) off[i] = std::sqrt(closest(of.points[i * step]).distance2);
-  });
   const auto share_beyond = [&](double limit) {
-    return 1.0 * std::count_if(off.begin(), off.end(), [&](double d) { return d > limit; }) / asked;
+    const auto is_beyond = [&](const Foot& foot) { return std::abs(foot.distance) > limit; };
+    return 1.0 * std::count_if(feet.begin(), feet.end(), is_beyond) / asked;
   };
   support.points_off = share_beyond(explained);
   const double limit = std::max(left_out * f.diagonal, explained);
   std::size_t together = 0;
   for (std::size_t i = 0; i < asked; ++i)
-    together += off[i] > limit && has_company(of.points[i * step], of, closest, limit);
+    together += std::abs(feet[i].distance) > limit && has_company(of.points[i * step], of, closest, limit);
   support.points_left_out = 1.0 * together / asked;
   double sum = 0;
-  for (const double d : off) sum += d;
+  for (const Foot& foot : feet) sum += std::abs(foot.distance);
   support.points_off_mean = sum / asked / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
 }
 
@@ -109,25 +103,12 @@ std::uint64_t patch_of(const Vec3& place, const Vec3& normal, double side) {
 }
 
 /// Noise lies on both sides of the surface; a wall or cavity that was lost on one.
-void measure_bias(const Level& level, const SupportingPoints& of, const mesh::ClosestPoint& closest,
-                  CloudSupport& support) {
+void measure_bias(std::span<const Foot> feet, const Facts& facts, CloudSupport& support) {
   constexpr double of_diagonal = 0.003, side = 0.08, sure = 3;
   constexpr std::size_t fewest = 6;
-  const TriMesh& mesh = level.mesh;
-  const std::size_t step = std::max<std::size_t>(1, of.points.size() / samples), asked = of.points.size() / step;
-  std::vector<Off> off(asked);
-  parallel_for(asked, sample_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& p = of.points[i * step];
-      const mesh::SurfacePoint found = closest(p);
-      const auto& [a, b, c] = mesh.triangles[found.triangle];
-      const Vec3 foot = found.weights[0] * mesh.vertices[a] + found.weights[1] * mesh.vertices[b] +
-                        found.weights[2] * mesh.vertices[c];
-      const Vec3 normal = normal_of(mesh, found.triangle);
-      const double distance = std::sqrt(found.distance2);
-      off[i] = {patch_of(foot, normal, side * of.facts.diagonal), (p - foot).dot(normal) < 0 ? -distance : distance};
-    }
-  });
+  std::vector<Off> off;
+  off.reserve(feet.size());
+  for (const Foot& f : feet) off.push_back({patch_of(f.place, f.normal, side * facts.diagonal), f.distance});
   std::stable_sort(off.begin(), off.end(), [](const Off& a, const Off& b) { return a.patch < b.patch; });
   std::size_t biased = 0;
   for (std::size_t first = 0, last = 0; first < off.size(); first = last) {
@@ -138,10 +119,10 @@ void measure_bias(const Level& level, const SupportingPoints& of, const mesh::Cl
     }
     const double count = last - first;
     const double mean = sum / count, spread = std::sqrt(std::max(0.0, squares / count - mean * mean));
-    if (last - first >= fewest && std::abs(mean) > of_diagonal * of.facts.diagonal + sure * spread / std::sqrt(count))
+    if (last - first >= fewest && std::abs(mean) > of_diagonal * facts.diagonal + sure * spread / std::sqrt(count))
       biased += last - first;
   }
-  support.biased = 1.0 * biased / asked;
+  support.biased = 1.0 * biased / feet.size();
 }
 
 /// The other side of the surface lies nearer than the points, their noise or the lattice tell apart: through the body,
@@ -192,9 +173,11 @@ void measure_support(const Level& finest, const SupportingPoints& cloud, CloudSu
   support.within = supported_within(cloud.facts);
   if (finest.mesh.triangles.empty() || cloud.points.empty()) return;
   const mesh::ClosestPoint closest(finest.mesh);
+  const std::size_t step = std::max<std::size_t>(1, cloud.points.size() / samples);
+  const std::vector<Foot> feet = feet_of(cloud.points, step, finest.mesh, closest);
   measure_area(finest.mesh, cloud, support);
-  measure_points(finest, cloud, closest, support);
-  measure_bias(finest, cloud, closest, support);
+  measure_points(finest, cloud, feet, step, closest, support);
+  measure_bias(feet, cloud.facts, support);
   measure_thin(finest, cloud, closest, support);
 }
 
