@@ -68,7 +68,7 @@ DYNASURF_ARITY(PointCloud, 4);
 DYNASURF_ARITY(cloud::Level, 6);
 DYNASURF_ARITY(cloud::Certificate, 22);
 DYNASURF_ARITY(cloud::Facts, 13);
-DYNASURF_ARITY(cloud::CloudSupport, 12);
+DYNASURF_ARITY(cloud::CloudSupport, 13);
 DYNASURF_ARITY(cloud::Result, 5);
 DYNASURF_ARITY(io::CloudSource, 3);
 DYNASURF_ARITY(report::CloudRun, 4);

@@ -59,7 +59,7 @@ report::CloudRun run_of(std::initializer_list<int> levels, bool colours, bool ha
   }
   if (!run.result.levels.empty()) facts.diagonal = run.result.levels[0].certificate.cloud_diagonal;
   if (!run.result.levels.empty()) {
-    cloud::measure_support(run.result.levels[0], {cloud.points, neighbours, facts}, run.result.support);
+    cloud::measure_support(run.result.levels, {cloud.points, neighbours, facts}, run.result.support);
     run.result.notes = cloud::doubts_of(run.result.support, false);
   }
   run.result.notes.push_back({Severity::info, "cloud.noise", "the points are clean"});

@@ -373,7 +373,7 @@ Result reconstruct(PointCloud cloud, const Options& options, const Progress& pro
   }
   const SupportingPoints used{prepared->cloud.points, prepared->neighbours, prepared->facts};
   tell_left_out(used, result);
-  measure_support(result.levels.front(), used, result.support);
+  measure_support(result.levels, used, result.support);
   const Notes doubts = doubts_of(result.support, is_open(result.facts));
   result.notes.insert(result.notes.end(), doubts.begin(), doubts.end());
   result.used = kept == nullptr ? std::move(prepared->cloud) : prepared->cloud;

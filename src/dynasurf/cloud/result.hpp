@@ -47,6 +47,7 @@ struct CloudSupport {
   double biased = 0;           // share of the points in patches that lie off it to one side
   double made_up = 0;          // share of its area that no point supports
   double made_up_largest = 0;  // the largest distance of the surface from all points over the diagonal
+  double unfaced_points = 0;   // of at most 20,000, that its largest part ought to hold that none of them faces
   double turned = 0;           // share of the points whose direction was found against the surface
   double thin = 0;             // share of its area with the other side nearer than the points or the lattice resolve
   double gaps = 0;             // of that, the share whose other side is nearer through the space outside

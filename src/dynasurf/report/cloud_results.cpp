@@ -121,6 +121,7 @@ Json support_json(const cloud::CloudSupport& s) {
   json["biased_percent"] = number(100 * s.biased);
   json["made_up_percent"] = number(100 * s.made_up);
   json["made_up_largest_percent"] = number(100 * s.made_up_largest);
+  json["unfaced_points"] = number(s.unfaced_points);
   json["turned_percent"] = number(100 * s.turned);
   json["thin_percent"] = number(100 * s.thin);
   json["gaps_percent"] = number(100 * s.gaps);

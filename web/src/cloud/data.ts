@@ -64,6 +64,7 @@ export interface CloudResults extends Pick<Results, "provenance" | "timings_s" |
     biased_percent: number | null;
     made_up_percent: number | null;
     made_up_largest_percent: number | null;
+    unfaced_points: number | null;
     turned_percent: number | null;
     thin_percent: number | null;
     gaps_percent: number | null;

@@ -127,6 +127,7 @@ function showCloud(place: HTMLElement, results: CloudResults): void {
     [say("Parts, handles"), say("{parts}, {handles}; so at {share} of the levels around", { parts: c.parts, handles: c.genus, share: percent(s.firm_percent) })],
     [say("Points off the surface"), say("{share}; far off: {far}", { share: percent(s.points_off_percent), far: percent(s.points_left_out_percent) })],
     [say("Surface made up"), say("{share}, up to {far} of the diagonal from the points", { share: percent(s.made_up_percent), far: percent(s.made_up_largest_percent) })],
+    [say("Faced by no point"), say("a part that ought to hold {n} of them", { n: count(Math.round(s.unfaced_points ?? 0)) })],
     [say("Thin walls and gaps"), say("{share}; gaps: {gaps}", { share: percent(s.thin_percent), gaps: percent(s.gaps_percent) })],
     [say("Directions in doubt"), percent(s.turned_percent)],
   ];
@@ -146,7 +147,7 @@ function worstPlaces(level: Level, results: CloudResults): WorstPlace[] {
   const share = (distance: number) => percent((100 * distance) / diagonal);
   const all = Array.from(level.confidence, (confidence, vertex): WorstPlace => {
     const error = level.errors[vertex]!;
-    if (confidence < 1) return { vertex, badness: 1 / confidence, text: say("made up, {share} of the diagonal from the points", { share: share(within / confidence) }) };
+    if (confidence < 1) return { vertex, badness: 1 / confidence, text: say("made up, {share} of the diagonal from points that support it", { share: share(within / confidence) }) };
     return { vertex, badness: error / within, text: say("the points lie {share} of the diagonal off", { share: share(error) }) };
   }).sort((a, b) => b.badness - a.badness);
   const found: WorstPlace[] = [];

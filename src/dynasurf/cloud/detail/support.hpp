@@ -27,9 +27,10 @@ std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& clou
 /// nearest to it lie as far from the mesh. Alone it is a stray point, and nothing was left out.
 bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::ClosestPoint& closest, double limit);
 
-/// Measures what the points say about the finest level: all of `support` but `cell`, `turned` and `firm`, which are
-/// known from the search for the body. The same for any number of threads.
-void measure_support(const Level& finest, const SupportingPoints& cloud, CloudSupport& support);
+/// Measures what the points say about the finest level, the first one: all of `support` but `cell`, `turned` and
+/// `firm`, which are known from the search for the body. The confidence of all levels falls where no point faces the
+/// surface. The same for any number of threads.
+void measure_support(std::span<Level> levels, const SupportingPoints& cloud, CloudSupport& support);
 
 /// The notes that the measures give reason for, warnings but for thin walls of a closed surface.
 Notes doubts_of(const CloudSupport& support, bool is_open);
