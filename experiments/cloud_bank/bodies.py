@@ -290,7 +290,7 @@ def aerofoil(thick):
 
 
 def latest():
-    """Bodies made after all limits of the verdict were set."""
+    """Bodies made after most limits of the verdict were set."""
     yield "roof", half_spaces(((0, 0, -1), 0.3), ((1, 0, 1), 0.3), ((-1, 0, 1), 0.3), ((0, 1, 0), 0.9), ((0, -1, 0), 0.9)), (1,), 0
     yield "double cone", union(cone(-1, 0, 0.01, 0.5), cone(0, 1, 0.5, 0.01)), (1,), 0
     yield from ((f"disc {t}", pillar(0.9, t), (1,), 0) for t in (0.06, 0.03))
@@ -322,6 +322,83 @@ def latest():
     yield from ((f"funnel {w}", minus(cone(-0.8, 0.8, 0.2, 0.9), cone(-0.81, 0.81, 0.2 - w, 0.9 - w)), (1,), 1) for w in (0.12, 0.07))
     yield "corrugated", both(lambda p: (numpy.abs(p[:, 2] - 0.15 * numpy.sin(8 * p[:, 0])) - 0.06) / 1.4, box((1, 0.6, 1))), (1,), 0
     yield "three balls", union(*[ball((0.8 * n, 0, 0), 0.35) for n in (-1, 0, 1)]), (3,), 0
+
+
+def prism(corners, radius, half):
+    """Regular, along z; `radius` of the circle within."""
+    turns = 2 * numpy.pi * numpy.arange(corners) / corners
+    return half_spaces(*[((numpy.cos(t), numpy.sin(t), 0), radius) for t in turns], ((0, 0, 1), half), ((0, 0, -1), half))
+
+
+def goblet(wall):
+    cup = both(shell(ball((0, 0, 0.5), 0.5), wall), half_spaces(((0, 0, 1), 0.6)))
+    return union(cup, capsule((0, 0, 0), (0, 0, -0.8), 0.08), pillar(0.4, 0.05, (0, 0, -0.85)))
+
+
+def shelf(count, wall):
+    high = 2 / count
+    return minus(box((0.6, 0.3, 1)), *[box((0.6 - wall, 0.3, 0.5 * high - 0.5 * wall), centre=(0, wall, -1 + (n + 0.5) * high)) for n in range(count)])
+
+
+def tee(wall):
+    outside = union(pillar(0.35, 1), pillar(0.35, 0.5, (0, 0.5, 0), 1))
+    return minus(outside, pillar(0.35 - wall, 1.2), pillar(0.35 - wall, 0.6, (0, 0.6, 0), 1))
+
+
+def boat(wall):
+    ellipsoid = lambda p: (length(p / (1.2, 0.5, 0.5)) - 1) * 0.5
+    return both(shell(ellipsoid, wall), half_spaces(((0, 0, 1), 0)))
+
+
+def brush(count, radius):
+    places = 0.45 * (2 * numpy.arange(count) + 1 - count) / count
+    return union(box((1, 0.5, 0.1), centre=(0, 0, -0.3)), *[capsule((2 * x, y, -0.3), (2 * x, y, 0.3), radius) for x in places for y in places])
+
+
+def clip(radius):
+    path = [(-0.6, 0.1, 0), (0.7, 0.1, 0), (0.8, 0.2, 0), (0.7, 0.4, 0), (-0.8, 0.4, 0), (-1, 0.2, 0), (-1, -0.2, 0), (-0.8, -0.4, 0), (0.8, -0.4, 0)]
+    return wire(numpy.array(path), radius)
+
+
+def honeycomb(thick):
+    holes = [pillar(0.16, 1, (0, 0, 0))] + [pillar(0.16, 1, (0.45 * numpy.cos(t), 0.45 * numpy.sin(t), 0)) for t in numpy.pi / 3 * numpy.arange(6)]
+    return minus(prism(6, 0.8, thick), *holes)
+
+
+def spiral(radius):
+    t = numpy.linspace(0, 5 * numpy.pi, 80)
+    return wire(numpy.stack([(0.15 + 0.05 * t) * numpy.cos(t), (0.15 + 0.05 * t) * numpy.sin(t), 0 * t], 1), radius)
+
+
+def newest():
+    """Bodies made after `cloud.cut_off` was added and all limits were set."""
+    yield from ((f"hook {r}", union(both(torus(0.45, r, (0, 0.4, 0)), half_spaces(((-0.7, -1, 0), 0))), capsule((0.45, 0.4, 0), (0.3, -1, 0), r)), (1,), 0)
+                for r in (0.1, 0.06))
+    yield from ((f"goblet {w}", goblet(w), (1,), 0) for w in (0.1, 0.06))
+    yield "round table", union(pillar(0.9, 0.06, (0, 0, 0.5)), pillar(0.1, 0.5), pillar(0.5, 0.06, (0, 0, -0.5))), (1,), 0
+    yield "kettle", union(ball((0, 0, 0), 0.6), torus(0.45, 0.07, (0, 0, 0.5), 1), capsule((0.4, 0, 0), (1, 0, 0.4), 0.12)), (1,), 1
+    yield "mushroom", union(both(ball((0, 0, 0.2), 0.7), half_spaces(((0, 0, -1), -0.2))), capsule((0, 0, -0.8), (0, 0, 0.3), 0.18)), (1,), 0
+    yield from ((f"umbrella {w}", union(both(shell(ball((0, 0, -0.2), 1), w), half_spaces(((0, 0, -1), -0.3))), capsule((0, 0, -0.9), (0, 0, 0.75), 0.06)),
+                 (1,), 0) for w in (0.12, 0.07))
+    yield from ((f"shelf {n} {w}", shelf(n, w), (1,), 0) for n, w in ((3, 0.08), (4, 0.05)))
+    yield "nut", minus(prism(6, 0.7, 0.3), pillar(0.4, 1)), (1,), 1
+    yield "bolt", union(prism(6, 0.45, 0.2), pillar(0.22, 0.7, (0, 0, -0.6))), (1,), 0
+    yield from ((f"beam {t}", union(box((1.2, 0.4, t), centre=(0, 0, 0.4)), box((1.2, 0.4, t), centre=(0, 0, -0.4)), box((1.2, t, 0.4))), (1,), 0)
+                for t in (0.08, 0.04))
+    yield from ((f"tee {w}", tee(w), (1,), 2) for w in (0.1, 0.06))
+    yield from ((f"boat {w}", boat(w), (1,), 0) for w in (0.12, 0.06))
+    yield from ((f"brush {n} {r}", brush(n, r), (1,), 0) for n, r in ((3, 0.08), (4, 0.05)))
+    yield "cactus", union(capsule((0, 0, -0.9), (0, 0, 0.9), 0.2), *[union(capsule((0, 0, z), (0.55 * s, 0, z), 0.12), capsule((0.55 * s, 0, z), (0.55 * s, 0, z + 0.5), 0.12))
+                                                                  for s, z in ((1, -0.2), (-1, 0.1))]), (1,), 0
+    yield from ((f"honeycomb {t}", honeycomb(t), (1,), 7) for t in (0.12, 0.06))
+    yield "barrel", shell(pillar(0.5, 0.8), 0.15), (2,), 0
+    yield from ((f"spiral {r}", spiral(r), (1,), 0) for r in (0.08, 0.04))
+    yield "pyramid", half_spaces(((1, 0, 0.6), 0.5), ((-1, 0, 0.6), 0.5), ((0, 1, 0.6), 0.5), ((0, -1, 0.6), 0.5), ((0, 0, -1), 0.4)), (1,), 0
+    yield "drop", union(ball((0, 0, -0.3), 0.5), cone(-0.1, 0.9, 0.46, 0.01)), (1,), 0
+    yield from ((f"clip {r}", clip(r), (1,), 0) for r in (0.06, 0.035))
+    yield from ((f"fin {t}", both(box((0.7, t, 0.9)), half_spaces(((1, 0, 0.6), 0.4))), (1,), 0) for t in (0.1, 0.05))
+    yield "two plates", union(box((0.8, 0.8, 0.08), centre=(0, 0, 0.25)), box((0.8, 0.8, 0.08), centre=(0, 0, -0.25))), (2,), 0
+    yield "hill", (lambda p: p[:, 2] - 0.4 * numpy.exp(-3 * (p[:, 0] ** 2 + p[:, 1] ** 2))), (1,), None
 
 
 def solids():
