@@ -253,19 +253,19 @@ void tell_left_out(const SupportingPoints& of, Result& result) {
   const double limit = far * finest.certificate.cloud_diagonal;
   if (finest.certificate.cloud_to_mesh_largest <= limit) return;
   const mesh::ClosestPoint closest(finest.mesh);
-  enum class Place : std::uint8_t { near, together, alone };
-  std::vector<Place> places(of.points.size(), Place::near);
-  parallel_for(places.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      if (closest(of.points[i]).distance2 > limit * limit)
-        places[i] = has_company(of.points[i], of, closest, limit) ? Place::together : Place::alone;
+  std::vector<double> distance2(of.points.size());
+  parallel_for(distance2.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) distance2[i] = closest(of.points[i]).distance2;
   });
-  const int together = std::count(places.begin(), places.end(), Place::together);
+  std::vector<std::size_t> far_off;
+  for (std::size_t i = 0; i < distance2.size(); ++i)
+    if (distance2[i] > limit * limit) far_off.push_back(i);
+  const int together = left_out_of(far_off, of.points.size(), of, closest, limit);
   if (together > 0)
     result.notes.push_back({Severity::warning, "cloud.left_out",
                             number(together, "point lies", "points lie") + " farther than " + percent(far) +
                                 " of the diagonal from the surface, which leaves them out"});
-  note_outliers(std::count(places.begin(), places.end(), Place::alone), result.notes);
+  note_outliers(far_off.size() - together, result.notes);
 }
 
 void add(MeasuredLevel made, Result& result) {

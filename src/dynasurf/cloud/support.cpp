@@ -76,10 +76,10 @@ void measure_points(const Level& level, const SupportingPoints& of, std::span<co
   };
   support.points_off = share_beyond(explained);
   const double limit = std::max(left_out * f.diagonal, explained);
-  std::size_t together = 0;
+  std::vector<std::size_t> far;
   for (std::size_t i = 0; i < asked; ++i)
-    together += std::abs(feet[i].distance) > limit && has_company(of.points[i * step], of, closest, limit);
-  support.points_left_out = 1.0 * together / asked;
+    if (std::abs(feet[i].distance) > limit) far.push_back(i * step);
+  support.points_left_out = 1.0 * left_out_of(far, asked, of, closest, limit) / asked;
   double sum = 0;
   for (const Foot& foot : feet) sum += std::abs(foot.distance);
   support.points_off_mean = sum / asked / std::max(0.8 * f.noise + 0.1 * f.spacing + chord, 1e-300);
@@ -181,6 +181,7 @@ void measure_support(std::span<Level> levels, const SupportingPoints& cloud, Clo
   measure_points(finest, cloud, feet, step, closest, support);
   measure_bias(feet, cloud.facts, support);
   measure_thin(finest, cloud, closest, support);
+  if (finest.certificate.boundary_loops > 0) return;  // its ends are open
   const double spacing = cloud.facts.spacing * std::sqrt(1.0 * step);
   const UnfacedParts unfaced = unfaced_parts(finest.mesh, feet, spacing, cloud.facts.noise);
   support.unfaced_points = unfaced.points;
@@ -208,13 +209,29 @@ Verdict verdict_of(const Result& result) {
   return has(Severity::warning) ? Verdict::check : Verdict::ok;
 }
 
-bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::ClosestPoint& closest, double limit) {
-  constexpr std::size_t asked = 6, enough = 3;
-  std::array<KdTree::Found, 1 + asked> found;  // itself first
-  const std::size_t n = cloud.tree.nearest(point, found);
-  std::size_t as_far = 0;
-  for (std::size_t k = 1; k < n; ++k) as_far += closest(cloud.points[found[k].index]).distance2 > limit * limit;
-  return as_far >= enough;
+std::size_t left_out_of(std::span<const std::size_t> far, std::size_t asked, const SupportingPoints& cloud,
+                        const mesh::ClosestPoint& closest, double limit) {
+  constexpr std::size_t neighbours = 6, enough = 3;
+  constexpr double near_by = 5, surface = 0.005;
+  const double within = near_by * cloud.facts.spacing + 3 * cloud.facts.noise;
+  enum class Company : std::uint8_t { none, loose, close };
+  std::vector<Company> companies(far.size());
+  parallel_for(far.size(), sample_grain, [&](std::size_t begin, std::size_t end) {
+    std::array<KdTree::Found, 1 + neighbours> found;  // itself first
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t n = cloud.tree.nearest(cloud.points[far[i]], found);
+      std::size_t as_far = 0, close = 0;
+      for (std::size_t k = 1; k < n; ++k) {
+        if (!(closest(cloud.points[found[k].index]).distance2 > limit * limit)) continue;
+        ++as_far;
+        close += found[k].distance2 <= within * within;
+      }
+      companies[i] = close >= enough ? Company::close : as_far >= enough ? Company::loose : Company::none;
+    }
+  });
+  const std::size_t close = std::count(companies.begin(), companies.end(), Company::close),
+                    loose = std::count(companies.begin(), companies.end(), Company::loose);
+  return close + loose > surface * asked ? close + loose : close;
 }
 
 Notes doubts_of(const CloudSupport& s, bool is_open) {

@@ -23,9 +23,12 @@ double supported_within(const Facts& facts);
 /// up to four times, the surface may lie farther from them by as much.
 std::vector<float> confidences(const TriMesh& mesh, const SupportingPoints& cloud);
 
-/// Whether a point that lies farther than `limit` from a mesh has company there: at least three of the six points
-/// nearest to it lie as far from the mesh. Alone it is a stray point, and nothing was left out.
-bool has_company(const Vec3& point, const SupportingPoints& cloud, const mesh::ClosestPoint& closest, double limit);
+/// Of `asked` points those with the numbers `far` lie farther than `limit` from a mesh: how many of them it left out.
+/// At least three of the six points nearest to such a one lie as far from the mesh, within five spacings; or farther
+/// apart, where one in 200 of the points is left out, as of a floor. The others are stray points. The same for any
+/// number of threads.
+std::size_t left_out_of(std::span<const std::size_t> far, std::size_t asked, const SupportingPoints& cloud,
+                        const mesh::ClosestPoint& closest, double limit);
 
 /// Measures what the points say about the finest level, the first one: all of `support` but `cell`, `turned` and
 /// `firm`, which are known from the search for the body. The confidence of all levels falls where no point faces the
