@@ -401,6 +401,24 @@ def newest():
     yield "hill", (lambda p: p[:, 2] - 0.4 * numpy.exp(-3 * (p[:, 0] ** 2 + p[:, 1] ** 2))), (1,), None
 
 
+def freshest():
+    """Bodies that nothing was chosen on."""
+    yield "anchor", union(both(torus(0.6, 0.09, (0, 0, 0), 1), half_spaces(((0, 0, 1), 0))), capsule((0, 0, -0.6), (0, 0, 0.9), 0.09),
+                          capsule((-0.4, 0, 0.6), (0.4, 0, 0.6), 0.08)), (1,), 0
+    yield "hourglass", union(cone(-0.9, 0, 0.6, 0.1), cone(0, 0.9, 0.1, 0.6)), (1,), 0
+    yield "flask", union(ball((0, 0, -0.3), 0.6), capsule((0, 0, 0), (0, 0, 0.9), 0.15)), (1,), 0
+    yield from ((f"cross plate {t}", union(box((1, 0.25, t), 0.3 * t), box((0.25, 1, t), 0.3 * t)), (1,), 0) for t in (0.08, 0.04))
+    yield "crown", minus(pillar(0.7, 0.4), pillar(0.58, 1), box((2, 0.15, 0.3), centre=(0, 0, 0.3)), box((0.15, 2, 0.3), centre=(0, 0, 0.3))), (1,), 1
+    yield from ((f"channel {t}", minus(box((1, 0.4, 0.4)), box((2, 0.4 - t, 0.4), centre=(0, 0, t))), (1,), 0) for t in (0.12, 0.06))
+    yield "three discs", union(pillar(0.1, 0.8), *[pillar(0.6, 0.07, (0, 0, z)) for z in (-0.6, 0, 0.6)]), (1,), 0
+    yield "clover", minus(union(*[pillar(0.42, 0.08, (0.42 * numpy.cos(t), 0.42 * numpy.sin(t), 0)) for t in 2 * numpy.pi / 3 * numpy.arange(3)]),
+                          *[pillar(0.2, 1, (0.45 * numpy.cos(t), 0.45 * numpy.sin(t), 0)) for t in 2 * numpy.pi / 3 * numpy.arange(3)]), (1,), 3
+    yield "bench", union(box((1, 0.3, 0.06), centre=(0, 0, 0.3)), box((0.06, 0.3, 0.35), centre=(-0.7, 0, 0)), box((0.06, 0.3, 0.35), centre=(0.7, 0, 0))), (1,), 0
+    yield "plug", union(box((0.4, 0.3, 0.4), 0.05), *[box((0.06, 0.12, 0.3), centre=(x, 0, 0.6)) for x in (-0.2, 0.2)]), (1,), 0
+    yield from ((f"dish {w}", both(shell(ball((0, 0, 0.6), 1.2), w), half_spaces(((0, 0, 1), -0.1))), (1,), 0) for w in (0.12, 0.07))
+    yield "beads", union(torus(0.7, 0.08), *[ball((0.7 * numpy.cos(t), 0.7 * numpy.sin(t), 0), 0.2) for t in numpy.pi / 2 * numpy.arange(4)]), (1,), 1
+
+
 def solids():
     """(name, function, the numbers of parts that are right, handles)"""
     yield from ((f"rounded box {a}", box((1, a, 0.4 * a), 0.1 * a), (1,), 0) for a in (0.9, 0.5, 0.25, 0.12))

@@ -25,7 +25,7 @@ CONDITIONS = {"clean": (20000, 0, 0, 0), "sparse": (4000, 0, 0, 0), "noise": (20
 MEASURES = {"points_off_percent": 1, "points_off_mean_ratio": 1, "points_left_out_percent": 1, "biased_percent": 1, "made_up_percent": 1,
             "made_up_largest_percent": 1, "unfaced_points": 1, "turned_percent": 1, "gaps_percent": 1, "firm_percent": -1}
 REFERENCE = 80000
-NEW = {name for name, *_ in bodies.newest()}
+NEW, FRESH = ({name for name, *_ in some} for some in (bodies.newest(), bodies.freshest()))
 
 
 def read_ply(path):
@@ -103,7 +103,8 @@ def all_bodies(arguments):
     """(name, what makes its dense surface, the numbers of parts that are right and the handles: None of open ones)"""
     for name, handles in PHANTOMS.items():
         yield f"phantom {name}", (lambda name=name: phantom_surface(arguments.program, name)), ((1,), handles)
-    for name, value, parts, handles in itertools.chain(bodies.solids(), bodies.later(), bodies.latest(), bodies.newest()):
+    for name, value, parts, handles in itertools.chain(bodies.solids(), bodies.later(), bodies.latest(), bodies.newest(),
+                                                        bodies.freshest()):
         yield name, (lambda value=value: bodies.points_on(value, REFERENCE, 7)), (parts, handles)
     for name, value, keep in bodies.sheets():
         yield name, (lambda value=value, keep=keep: bodies.points_on(value, REFERENCE, 7, keep)), ((1,), None)
@@ -164,8 +165,9 @@ def summary(rows):
         share(sum(w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(map(bool, wrongs(some)))) +
         f" | {sum(not w for w in wrongs(some))} | " +
         share(sum(not w and r["verdict"] != "ok" for w, r in zip(wrongs(some), some)), sum(not w for w in wrongs(some))) + " |")
-    groups = {"bodies the limits were chosen on": [r for r in rows if r["body"] not in NEW],
-              "bodies that no limit was chosen on": [r for r in rows if r["body"] in NEW]}
+    groups = {"bodies the limits were chosen on": [r for r in rows if r["body"] not in NEW | FRESH],
+              "bodies that no limit was chosen on": [r for r in rows if r["body"] in NEW],
+              "bodies never looked at": [r for r in rows if r["body"] in FRESH]}
     for label, some in groups.items():
         tell(label, some)
         for condition in CONDITIONS:
@@ -179,7 +181,7 @@ def wrongs(rows):
 
 def limits(rows):
     """Of each measure, on the bodies to choose on: what 99 % of the right scans stay within, and how many wrong ones do not."""
-    chosen = [r for r in rows if r["body"] not in NEW and "support" in r]
+    chosen = [r for r in rows if r["body"] not in NEW | FRESH and "support" in r]
     right, wrong = [r for r in chosen if not r["wrong"]], [r for r in chosen if r["wrong"]]
     lines = []
     for measure, sign in MEASURES.items():
