@@ -253,13 +253,13 @@ void tell_left_out(const SupportingPoints& of, Result& result) {
   const double limit = far * finest.certificate.cloud_diagonal;
   if (finest.certificate.cloud_to_mesh_largest <= limit) return;
   const mesh::ClosestPoint closest(finest.mesh);
-  std::vector<double> distance2(of.points.size());
-  parallel_for(distance2.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) distance2[i] = closest(of.points[i]).distance2;
+  std::vector<std::uint8_t> is_far(of.points.size());
+  parallel_for(is_far.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) is_far[i] = closest(of.points[i]).distance2 > limit * limit;
   });
   std::vector<std::size_t> far_off;
-  for (std::size_t i = 0; i < distance2.size(); ++i)
-    if (distance2[i] > limit * limit) far_off.push_back(i);
+  for (std::size_t i = 0; i < is_far.size(); ++i)
+    if (is_far[i]) far_off.push_back(i);
   const int together = left_out_of(far_off, of.points.size(), of, closest, limit);
   if (together > 0)
     result.notes.push_back({Severity::warning, "cloud.left_out",
