@@ -9,6 +9,8 @@ import struct
 import subprocess
 import time
 import unittest
+import zipfile
+from xml.etree import ElementTree
 
 from cli import PROGRAM, CliTest, hashes, run, shared_folder
 
@@ -144,11 +146,33 @@ class Cloud(CliTest):
     def test_writes_the_formats_that_are_asked_for(self):
         out = self.folder / "r"
         self.assertEqual(run("cloud", small_scan(), "--out", out, "--triangles", "160", "--mesh-format",
-                             "stl,obj,off,vtp,glb").returncode, 0)
+                             "stl,obj,off,vtp,glb,3mf").returncode, 0)
         self.assertEqual(sorted(path.name for path in (out / "meshes").iterdir()),
-                         ["level1.glb", "level1.obj", "level1.off", "level1.stl", "level1.vtp"])
+                         ["level1.3mf", "level1.glb", "level1.obj", "level1.off", "level1.stl", "level1.vtp"])
         gltf = glb_json(out / "meshes" / "level1.glb")
         self.assertEqual(gltf["accessors"][gltf["meshes"][0]["primitives"][0]["indices"]]["count"], 3 * 160)
+
+    def test_a_3mf_file_is_an_archive_with_the_mesh(self):
+        name = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+        terrain = self.folder / "terrain.xyz"
+        terrain.write_text("".join(f"{x} {y} {math.sin(x / 7)}\n" for x in range(60) for y in range(60)))
+        for scan, kind in ((small_scan(), "model"), (terrain, "surface")):
+            out = self.folder / kind
+            self.assertEqual(run("cloud", scan, "--out", out, "--triangles", "160", "--mesh-format", "off,3mf").returncode, 0)
+            off = (out / "meshes" / "level1.off").read_text().splitlines()[3:]
+            with zipfile.ZipFile(out / "meshes" / "level1.3mf") as archive:
+                self.assertIsNone(archive.testzip())
+                self.assertEqual(archive.namelist(), ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"])
+                relation = ElementTree.fromstring(archive.read("_rels/.rels"))[0]
+                model = ElementTree.fromstring(archive.read(relation.get("Target").lstrip("/")))
+            self.assertEqual((model.tag, model.get("unit")), (name + "model", "millimeter"))
+            [item] = model.iter(name + "item")
+            [thing] = model.iter(name + "object")
+            self.assertEqual((thing.get("id"), thing.get("type")), (item.get("objectid"), kind))
+            vertices = [[float(v.get(axis)) for axis in "xyz"] for v in model.iter(name + "vertex")]
+            triangles = [[int(t.get(corner)) for corner in ("v1", "v2", "v3")] for t in model.iter(name + "triangle")]
+            self.assertEqual(vertices, [[float(word) for word in row.split()] for row in off[:len(vertices)]])
+            self.assertEqual(triangles, [[int(word) for word in row.split()[1:]] for row in off[len(vertices):]])
 
     def test_carries_the_colours_of_the_points_to_the_meshes(self):
         rows = run("phantom", "cloud", "--out", self.folder / "scan", "--set", "points=1000")
@@ -229,7 +253,7 @@ class Cloud(CliTest):
         for arguments, says in ((["--triangles", "320,640"], "triangles"), (["--triangles", "many"], "triangles"),
                                 (["--genus", "two"], "genus"), (["--start", "cone"], "auto, field, sphere, ellipsoid, hull"), (["--preset", "best"], "shaped"),
                                 (["--max-error", "much"], "max_error_percent"), (["--set", "cell=3"], "cells"),
-                                (["--mesh-format", "ply,fbx"], "choices: ply, stl, obj, off, vtp, glb")):
+                                (["--mesh-format", "ply,fbx"], "choices: ply, stl, obj, off, vtp, glb, 3mf")):
             self.refuses(1, "cloud", small_scan(), "--out", out, *arguments, says=says)
         self.assertFalse(out.exists())
 

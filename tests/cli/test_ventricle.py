@@ -324,7 +324,7 @@ class BadDays(CliTest):
             (["--set", "evolution.solver=rk5"], ["did you mean 'rk4'?", "euler, midpoint, rk4"]),
             (["--set", "edges.low"], ["expected path=value"]),
             (["--preset", "thesys"], ["did you mean 'thesis'?"]),
-            (["--mesh-format", "ply,fbx"], ["choices: ply, stl, obj, off, vtp, glb"]),
+            (["--mesh-format", "ply,fbx"], ["choices: ply, stl, obj, off, vtp, glb, 3mf"]),
             (["--options", self.folder / "missing.json"], ["missing.json"]),
         ]
         for arguments, says in cases:

@@ -20,7 +20,7 @@ using namespace detail;
 /// Larger files are refused before memory is taken for them: 40 million triangles fit.
 constexpr std::uint64_t max_mesh_bytes = std::uint64_t{2} << 30;
 
-constexpr std::string_view mesh_format_names[] = {"ply", "stl", "obj", "off", "vtp", "glb"};
+constexpr std::string_view mesh_format_names[] = {"ply", "stl", "obj", "off", "vtp", "glb", "3mf"};
 
 bool is_plain_word(const std::string& name) {
   return !name.empty() &&
@@ -48,6 +48,8 @@ void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshForm
       return write_file(path, encode_vtp(mesh, scalars));
     case MeshFormat::glb:
       return write_file(path, encode_glb(mesh, scalars, colours, path.string()));
+    case MeshFormat::threemf:
+      return write_file(path, encode_3mf(mesh));
   }
 }
 

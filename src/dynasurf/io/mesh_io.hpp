@@ -14,11 +14,10 @@
 namespace dynasurf::io {
 
 /// Writes a mesh with the coordinates it has: binary little-endian PLY with normals, binary STL, OBJ, OFF, VTK PolyData
-/// XML, or binary glTF. Coordinates are kept exactly, but for STL and GLB, which hold single precision, GLB around the
-/// middle of the mesh. Whole or not at all.
-/// Colours are written where the format can hold them (ply, obj, off, glb).
-/// Throws InputError for a mesh without triangles, with an index out of range or a vertex that is not finite,
-/// OptionError for scalars or colours of another length or a name that is no plain word, IoError.
+/// XML, binary glTF, or 3MF for printers. Coordinates are kept exactly, but for STL and GLB, which hold single
+/// precision, GLB around the middle of the mesh. Whole or not at all. Colours are written where the format can hold
+/// them (ply, obj, off, glb). Throws InputError for a mesh without triangles, with an index out of range or a vertex
+/// that is not finite, OptionError for scalars or colours of another length or a name that is no plain word, IoError.
 void write_mesh(const TriMesh& mesh, const std::filesystem::path& path, MeshFormat format,
                 std::span<const VertexScalar> scalars = {}, const VertexColours& colours = {});
 

@@ -66,6 +66,9 @@ std::string encode_off(const TriMesh& mesh, const VertexColours& colours = {});
 std::string encode_glb(const TriMesh& mesh, std::span<const VertexScalar> scalars, const VertexColours& colours,
                        const std::string& what);
 
+/// A ZIP archive. A closed mesh is an object to print, an open one a surface; the unit is the millimetre.
+std::string encode_3mf(const TriMesh& mesh);
+
 // Decoders. They throw InputError; indices of the mesh they return are in range and coordinates finite.
 TriMesh decode_ply(const MeshFile& file);
 TriMesh decode_stl(const MeshFile& file);

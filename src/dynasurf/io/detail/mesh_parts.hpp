@@ -14,7 +14,7 @@
 namespace dynasurf::io {
 
 /// The formats of triangle meshes that are written.
-enum class MeshFormat { ply, stl, obj, off, vtp, glb };
+enum class MeshFormat { ply, stl, obj, off, vtp, glb, threemf };
 std::span<const std::string_view> names_of(MeshFormat);
 
 /// One named value per vertex, written where the format can hold it (ply, vtp, and glb as the attribute _NAME).
