@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 #include "dynasurf/core/parallel.hpp"
 
@@ -131,6 +133,12 @@ void KdTree::keep(std::span<const std::uint8_t> kept, std::span<const Vec3> left
   }
   first_.back() = at;
   points_ = left;
+}
+
+double spacing_around(const KdTree& tree, const Vec3& point) {
+  std::array<KdTree::Found, 13> found;  // itself first
+  const std::size_t n = tree.nearest(point, found);
+  return n < 2 ? 0 : std::sqrt(std::numbers::pi * found[n - 1].distance2 / (n - 1));
 }
 
 }  // namespace dynasurf::cloud

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "dynasurf/cloud/detail/feet.hpp"
@@ -24,13 +23,8 @@ constexpr double most_made_up = 0.01, farthest_made_up = 0.05, most_points_off =
 
 /// How many times farther apart than usual the points are around one of them, from 1 to 4.
 double sparseness(const KdTree& cloud, const Vec3& point, double spacing) {
-  constexpr std::size_t ring = 13;
   constexpr double most = 4;
-  std::array<KdTree::Found, ring> found;
-  const std::size_t n = cloud.nearest(point, found);
-  if (n < 2 || !(spacing > 0)) return 1;
-  const double side = std::sqrt(std::numbers::pi * found[n - 1].distance2 / (n - 1));
-  return std::clamp(side / spacing, 1.0, most);
+  return spacing > 0 ? std::clamp(spacing_around(cloud, point) / spacing, 1.0, most) : 1;
 }
 
 double confidence_of(const Vec3& place, const SupportingPoints& of, double& distance) {

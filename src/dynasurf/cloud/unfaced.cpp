@@ -68,10 +68,8 @@ class Search {
   /// How many times farther apart than usual the points are around a foot, from 1 to 4; on a rim, where they lie on one
   /// side of it, not more than elsewhere.
   double sparseness_around(const KdTree::Found& foot) const {
-    std::array<KdTree::Found, 13> found;
-    const std::size_t n = tree_.nearest(feet_[foot.index].place, found);
-    if (n < 2) return 1;
-    return std::clamp(std::sqrt(0.5 * std::numbers::pi * found[n - 1].distance2 / (n - 1)) / spacing_, 1.0, 4.0);
+    const double side = spacing_around(tree_, feet_[foot.index].place) / std::numbers::sqrt2;
+    return std::clamp(side / spacing_, 1.0, 4.0);
   }
 
   std::span<const Foot> feet_;

@@ -66,4 +66,8 @@ class KdTree {
   std::vector<std::uint32_t> numbers_;  // of the points in the cloud; none: as they stand
 };
 
+/// The side of the square that each point stands for around one of them, as its twelve nearest neighbours lie; 0 where
+/// it has none.
+double spacing_around(const KdTree& tree, const Vec3& point);
+
 }  // namespace dynasurf::cloud
