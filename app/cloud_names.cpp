@@ -13,7 +13,8 @@ bool ends_as_one_of(const std::filesystem::path& file, std::initializer_list<std
 }
 
 bool is_cloud(const std::filesystem::path& file) {
-  return ends_as_one_of(file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".pcd", ".ptx", ".stl"});
+  return ends_as_one_of(
+      file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".laz", ".pcd", ".ptx", ".stl"});
 }
 
 }  // namespace dynasurf::app

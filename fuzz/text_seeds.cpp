@@ -12,6 +12,7 @@
 #include "dynasurf/synthetic/options.hpp"
 
 #include "seeds.hpp"
+#include "support/laz_writer.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/toy_options.hpp"
 
@@ -46,6 +47,24 @@ std::string las(int format) {
   if (extended) set(247, std::uint64_t{2});
   for (std::size_t n = 0; n < 6; ++n) set(header + (n / 3) * record + 4 * (n % 3), static_cast<std::int32_t>(100 * n));
   return out;
+}
+
+/// LAZ with points of a format, some in a second chunk.
+std::string small_laz(int format) {
+  std::vector<test::LazPoint> points(40);
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    test::LazPoint& p = points[n];
+    const auto k = static_cast<std::uint8_t>(n);
+    p.place = {static_cast<std::int32_t>(n * n), static_cast<std::int32_t>(70 * n), k % 9 == 0 ? -100000 : 5 * k};
+    p.colour = {static_cast<std::uint16_t>(500 * n), 9, static_cast<std::uint16_t>(n)};
+    p.returns = static_cast<std::uint8_t>(1 + k % 3);
+    p.number = static_cast<std::uint8_t>(1 + k % p.returns);
+    p.kind = k % 5;
+    p.channel = k / 8 % 4;
+    p.source = k / 20;
+    p.has_new_time = k % 2 == 0;
+  }
+  return test::laz(points, {.format = format, .chunk = 30, .extra_bytes = format % 2u});
 }
 
 std::string big_endian_ply() {
@@ -130,6 +149,7 @@ void write_mesh_seeds(const fs::path& all) {
   ptx.add("2\n1\n" + pose + "1 2 3 0.5 255 0 9\n0 0 0 0.5 0 0 0\n");
   ptx.add("1\n2\n" + pose + "1 2 3 0.5\n-1 2e-3 3 0.5\n1\n1\n" + pose + "4 5 6 0.1\n");
   for (int format = 0; format <= 10; ++format) las_seeds.add(las(format));
+  for (const int format : {0, 1, 2, 3, 6, 7, 8}) las_seeds.add(small_laz(format));
   std::vector<io::LodSurface> levels(1);
   levels[0].name = "level1";
   levels[0].mesh = mesh;

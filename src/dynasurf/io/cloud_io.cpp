@@ -28,21 +28,18 @@ constexpr Format known_formats[] = {
     {".ply", "PLY", Kind::ply},     {".xyz", "XYZ", Kind::rows}, {".txt", "XYZ", Kind::rows},
     {".asc", "XYZ", Kind::rows},    {".pts", "PTS", Kind::rows}, {".csv", "CSV", Kind::rows},
     {".pwn", "PWN", Kind::normals}, {".obj", "OBJ", Kind::obj},  {".off", "OFF", Kind::off},
-    {".stl", "STL", Kind::stl},     {".las", "LAS", Kind::las},  {".pcd", "PCD", Kind::pcd},
-    {".ptx", "PTX", Kind::ptx}};
+    {".stl", "STL", Kind::stl},     {".las", "LAS", Kind::las},  {".laz", "LAZ", Kind::las},
+    {".pcd", "PCD", Kind::pcd},     {".ptx", "PTX", Kind::ptx}};
 
 const Format& format_of(const std::filesystem::path& path) {
   const std::string ending = small_letters(path.extension().string());
   for (const Format& format : known_formats)
     if (format.ending == ending) return format;
-  if (ending == ".laz")
-    throw InputError(path.string() +
-                     ": LAZ is compressed; expected LAS, as 'laszip -i in.laz -o out.las' or PDAL make it");
   if (ending == ".e57")
     throw InputError(path.string() + ": E57 is not read; expected PLY or LAS, as CloudCompare or PDAL make them");
   throw InputError(path.string() +
                    ": unknown kind of cloud; expected a name that ends in .ply, .xyz, .txt, .asc, .pts, .csv, .pwn, "
-                   ".obj, .off, .stl, .las, .pcd or .ptx");
+                   ".obj, .off, .stl, .las, .laz, .pcd or .ptx");
 }
 
 TriMesh decode(Kind kind, const MeshFile& file, VertexData& data) {

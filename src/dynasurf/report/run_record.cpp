@@ -25,8 +25,9 @@ Json text_or_null(const std::optional<std::string>& text) { return text ? Json(*
 }  // namespace
 
 std::string neutral_name(const std::filesystem::path& file, std::size_t position) {
-  constexpr std::string_view known[] = {".dcm", ".nii", ".nii.gz", ".nrrd", ".nhdr", ".IMA", ".ima", ".ply", ".xyz",
-                                        ".txt", ".asc", ".pts",    ".csv",  ".pwn",  ".obj", ".off", ".stl", ".las"};
+  constexpr std::string_view known[] = {".dcm", ".nii", ".nii.gz", ".nrrd", ".nhdr", ".IMA", ".ima",
+                                        ".ply", ".xyz", ".txt",    ".asc",  ".pts",  ".csv", ".pwn",
+                                        ".obj", ".off", ".stl",    ".las",  ".laz",  ".pcd", ".ptx"};
   std::string ending = file.extension().string();
   if (ending == ".gz") ending = file.stem().extension().string() + ending;
   const bool is_known = std::find(std::begin(known), std::end(known), ending) != std::end(known);
