@@ -80,9 +80,10 @@ void add_cloud(CLI::App& program, Command& chosen) {
   auto a = std::make_shared<CloudArguments>();
   CommandLine command(program, "cloud", "Light meshes, closed or open, from scanned points");
   command
-      .option("CLOUD", a->clouds,
-              "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, PCD, PTX file of points, or a surface as STL, PLY, OBJ, "
-              "OFF; several files are one cloud")
+      .option(
+          "CLOUD", a->clouds,
+          "PLY, XYZ, PTS, CSV, PWN, OBJ, OFF, LAS, LAZ, PCD, PTX, E57 file of points, or a surface as STL, PLY, OBJ, "
+          "OFF; several files are one cloud")
       .required();
   add_result_arguments(command, a->result, "ply");
   add_live_argument(command, a->result);

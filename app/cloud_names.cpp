@@ -14,7 +14,7 @@ bool ends_as_one_of(const std::filesystem::path& file, std::initializer_list<std
 
 bool is_cloud(const std::filesystem::path& file) {
   return ends_as_one_of(
-      file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".laz", ".pcd", ".ptx", ".stl"});
+      file, {".ply", ".xyz", ".asc", ".pts", ".pwn", ".obj", ".off", ".las", ".laz", ".pcd", ".ptx", ".e57", ".stl"});
 }
 
 }  // namespace dynasurf::app

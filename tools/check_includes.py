@@ -19,6 +19,7 @@ LIBRARIES = {
     "DCMTK": r"dcmtk/",
     "zlib": r"zlib\.h$",
     "libpng": r"png\.h$",
+    "pugixml": r"pugixml\.hpp$",
     "OpenSSL": r"openssl/",
     "nlohmann-json": r"nlohmann/",
     "CLI11": r"CLI/",

@@ -25,7 +25,8 @@ READERS = ["core/option_tree.cpp", "core/options.hpp", "cloud/options.cpp", "clo
            *(f"io/{name}" for name in (
                "byte_source.cpp", "cloud_io.cpp", "detail/nrrd_header.hpp", "detail/text_reader.hpp", "dicom_choice.cpp",
                "dicom_file.cpp", "dicom_frames.cpp", "dicom_load.cpp", "dicom_outline.cpp", "dicom_pixels.cpp", "dicom_places.cpp",
-               "dicom_read.cpp", "dicom_slices.cpp", "dicom_stacking.cpp", "dicom_whole.cpp", "las.cpp", "nifti_read.cpp",
+               "dicom_read.cpp", "dicom_slices.cpp", "dicom_stacking.cpp", "dicom_whole.cpp", "e57.cpp", "e57_pages.cpp", "e57_scans.cpp", "las.cpp",
+               "nifti_read.cpp",
                "nrrd_header.cpp", "nrrd_read.cpp", "obj.cpp", "off.cpp", "pcd.cpp", "ply.cpp", "ptx.cpp", "rows.cpp", "samples.cpp",
                "stl.cpp", "study_io.cpp", "study_mend.cpp", "told_counts.cpp"))]
 REFUSAL = re.compile(r"Error\(|refuse\w*\(|must\(|fail\(|throw ")

@@ -38,6 +38,29 @@ def glb_json(path):
     return json.loads(data[20:20 + length])
 
 
+def e57(points):
+    """A file of one scan, by ASTM E2807: pages with checksums, a section with one packet per 500 points, a text."""
+    place = lambda at: at // 1020 * 1024 + at % 1020
+    packets = b""
+    for begin in range(0, len(points), 500):
+        part = points[begin:begin + 500]
+        axes = [struct.pack(f"<{len(part)}d", *axis) for axis in zip(*part)]
+        body = struct.pack("<H3H", 3, *map(len, axes)) + b"".join(axes)
+        packets += struct.pack("<BBH", 1, 0, len(body) + 3) + body
+    section = struct.pack("<B7xQQQ", 1, 32 + len(packets), 80, 0) + packets
+    columns = "".join(f'<cartesian{axis} type="Float"/>' for axis in "XYZ")
+    text = ('<?xml version="1.0" encoding="UTF-8"?><e57Root type="Structure"><data3D type="Vector"><vectorChild type="Structure">'
+            f'<points type="CompressedVector" fileOffset="48" recordCount="{len(points)}"><prototype type="Structure">{columns}'
+            '</prototype></points></vectorChild></data3D></e57Root>').encode()
+    pages = -(-(48 + len(section) + len(text)) // 1020)
+    header = struct.pack("<8sIIQQQQ", b"ASTM-E57", 1, 0, 1024 * pages, place(48 + len(section)), len(text), 1024)
+    content = (header + section + text).ljust(1020 * pages, b"\0")
+    table = [functools.reduce(lambda crc, _: crc >> 1 ^ 0x82F63B78 * (crc & 1), range(8), n) for n in range(256)]
+    step = lambda crc, byte: crc >> 8 ^ table[(crc ^ byte) & 255]
+    parts = [content[at:at + 1020] for at in range(0, len(content), 1020)]
+    return b"".join(part + struct.pack(">I", functools.reduce(step, part, 0xFFFFFFFF) ^ 0xFFFFFFFF) for part in parts)
+
+
 def ply_header(path):
     return path.read_bytes().split(b"end_header\n")[0].decode()
 
@@ -257,12 +280,24 @@ class Cloud(CliTest):
             self.refuses(1, "cloud", small_scan(), "--out", out, *arguments, says=says)
         self.assertFalse(out.exists())
 
+    def test_the_same_points_as_e57_give_the_same_meshes(self):
+        data = small_scan().read_bytes().split(b"end_header\n", 1)[1]
+        row = len(data) // 4000
+        places = [struct.unpack_from("<3d", data, row * n) for n in range(4000)]
+        (self.folder / "scan.e57").write_bytes(e57(places))
+        (self.folder / "scan.xyz").write_text("".join("%r %r %r\n" % place for place in places))
+        for name in ("e57", "xyz"):
+            made = run("cloud", self.folder / f"scan.{name}", "--out", self.folder / name, "--triangles", 320, "--quiet")
+            self.assertEqual(made.returncode, 0, made.stderr)
+        self.assertEqual((self.folder / "e57/meshes/level1.ply").read_bytes(), (self.folder / "xyz/meshes/level1.ply").read_bytes())
+
     def test_refuses_what_is_no_cloud(self):
         out = self.folder / "r"
         for name, text, says in (("few.xyz", "0 0 0\n1 0 0\n0 1 0\n", "few.xyz"),
                                  ("flat.xyz", "".join(f"{x} {y} 0\n" for x in range(9) for y in range(9)), "plane"),
                                  ("cut.ply", small_scan().read_bytes()[:5000], "cut.ply"),
-                                 ("words.xyz", "1 2 3\none two three\n", "line 2"), ("scan.e57", "x", "E57 is not read"), ("scan.bin", "x", "unknown kind")):
+                                 ("words.xyz", "1 2 3\none two three\n", "line 2"),
+                                 ("scan.e57", "x", "begins with 'ASTM-E57'"), ("scan.bin", "x", "unknown kind")):
             path = self.folder / name
             path.write_bytes(text if isinstance(text, bytes) else text.encode())
             self.refuses(2, "cloud", path, "--out", out, "--quiet", says=says)

@@ -13,6 +13,7 @@
 #include "dynasurf/io/mesh_io.hpp"
 
 #include "support/damage.hpp"
+#include "support/e57_writer.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/scratch_folder.hpp"
 
@@ -117,6 +118,24 @@ std::string pcd(bool compressed) {
   return out + packed;
 }
 
+std::string e57() {
+  test::E57Scan scan;
+  for (std::size_t a = 0; a < 3; ++a) {
+    std::vector<double> places, normals;
+    std::vector<std::int64_t> colours;
+    for (std::size_t n = 0; n < 4; ++n) {
+      places.push_back(four_points[n][static_cast<Eigen::Index>(a)]);
+      normals.push_back(four_normals[n][static_cast<Eigen::Index>(a)]);
+      colours.push_back(four_colours[n][a]);
+    }
+    scan.columns.push_back(test::e57_doubles(std::string("cartesian") + "XYZ"[a], places));
+    scan.columns.push_back(test::e57_doubles(std::string("nor:normal") + "XYZ"[a], normals));
+    const char* names[] = {"colorRed", "colorGreen", "colorBlue"};
+    scan.columns.push_back(test::e57_integers(names[a], 0, 255, colours));
+  }
+  return test::e57_file({scan});
+}
+
 struct Dialect {
   const char* name;
   const char* file;
@@ -175,6 +194,7 @@ std::vector<Dialect> dialects() {
       {"compressed PCD", "a.pcd", pcd(true), true, true, true},
       {"LAS 1.2", "a.las", las(false), false, true, true},
       {"LAS 1.4", "a.las", las(true), false, true, true},
+      {"E57", "a.e57", e57(), true, true, true},
   };
 }
 
@@ -503,7 +523,7 @@ TEST_F(ReadCloud, LeavesOutTrianglesWithACornerThatIsNowhere) {
 TEST_F(ReadCloud, NamesTheFileThatCannotBeRead) {
   EXPECT_THROW(read_cloud(std::vector{folder / "absent.ply"}), IoError);
   EXPECT_THROW(read_cloud({}), InputError);
-  EXPECT_THAT(refusal("a.e57", "x"), HasSubstr("E57 is not read; expected PLY or LAS"));
+  EXPECT_THAT(refusal("a.e57", "x"), HasSubstr("expected an E57 file, which begins with 'ASTM-E57'"));
   EXPECT_THAT(refusal("a.bin", "x"), HasSubstr("unknown kind of cloud; expected a name that ends in .ply"));
   EXPECT_THAT(refusal("a.xyz", ""), HasSubstr("a.xyz: holds no point"));
   EXPECT_THAT(refusal("a.xyz", "# nothing\n"), HasSubstr("holds no point"));

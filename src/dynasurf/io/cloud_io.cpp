@@ -16,9 +16,7 @@ namespace {
 
 using namespace detail;
 
-constexpr std::size_t most_points = 100'000'000;
-
-enum class Kind { ply, rows, normals, obj, off, stl, las, pcd, ptx };
+enum class Kind { ply, rows, normals, obj, off, stl, las, pcd, ptx, e57 };
 
 struct Format {
   std::string_view ending, name;
@@ -29,17 +27,15 @@ constexpr Format known_formats[] = {
     {".asc", "XYZ", Kind::rows},    {".pts", "PTS", Kind::rows}, {".csv", "CSV", Kind::rows},
     {".pwn", "PWN", Kind::normals}, {".obj", "OBJ", Kind::obj},  {".off", "OFF", Kind::off},
     {".stl", "STL", Kind::stl},     {".las", "LAS", Kind::las},  {".laz", "LAZ", Kind::las},
-    {".pcd", "PCD", Kind::pcd},     {".ptx", "PTX", Kind::ptx}};
+    {".pcd", "PCD", Kind::pcd},     {".ptx", "PTX", Kind::ptx},  {".e57", "E57", Kind::e57}};
 
 const Format& format_of(const std::filesystem::path& path) {
   const std::string ending = small_letters(path.extension().string());
   for (const Format& format : known_formats)
     if (format.ending == ending) return format;
-  if (ending == ".e57")
-    throw InputError(path.string() + ": E57 is not read; expected PLY or LAS, as CloudCompare or PDAL make them");
   throw InputError(path.string() +
                    ": unknown kind of cloud; expected a name that ends in .ply, .xyz, .txt, .asc, .pts, .csv, .pwn, "
-                   ".obj, .off, .stl, .las, .laz, .pcd or .ptx");
+                   ".obj, .off, .stl, .las, .laz, .pcd, .ptx or .e57");
 }
 
 TriMesh decode(Kind kind, const MeshFile& file, VertexData& data) {
@@ -59,6 +55,8 @@ TriMesh decode(Kind kind, const MeshFile& file, VertexData& data) {
       return decode_pcd(file, data);
     case Kind::ptx:
       return decode_ptx(file, data);
+    case Kind::e57:
+      return decode_e57(file, data);
     case Kind::stl:
       break;
   }
@@ -176,7 +174,7 @@ PointCloud detail::decode_cloud(const MeshFile& file, CloudSource& source, Notes
     tell(notes, Severity::info, "read.no_count",
          "the file does not tell how much it holds; one that was cut at the end of a line would look alike");
   if (mesh.vertices.empty()) refuse(file, "", 0, "holds no point; expected a cloud or a surface");
-  if (mesh.vertices.size() > most_points)
+  if (mesh.vertices.size() > most_cloud_points)
     refuse(file, "", 0, "holds " + std::to_string(mesh.vertices.size()) + " points; expected at most 100000000");
   PointCloud cloud;
   if (mesh.triangles.empty()) {
@@ -211,7 +209,7 @@ CloudInput read_cloud(std::span<const std::filesystem::path> files) {
       if (files.size() > 1) note.message = "file " + std::to_string(input.sources.size()) + ": " + note.message;
       input.notes.push_back(std::move(note));
     }
-    if (input.cloud.points.size() + cloud.points.size() > most_points)
+    if (input.cloud.points.size() + cloud.points.size() > most_cloud_points)
       throw InputError(path.string() + ": with it the cloud has more than 100000000 points");
     // Files are scans of their own, each with one or more; numbers are made unique across files.
     if (cloud.scans.empty()) cloud.scans.assign(cloud.points.size(), 0);

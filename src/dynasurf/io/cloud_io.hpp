@@ -27,6 +27,7 @@ struct CloudInput {
 ///   rows are; 7: intensity and either; 9: both; 10: intensity and both. A lone number counts the points that follow,
 ///   and each such block is a scan. PWN: 6 columns, the last three a normal of any length;
 /// * OBJ, OFF: vertices, with normals and colours where each vertex has them;
+/// * PCD; PTX and E57: scans brought to one frame, without places that hold no valid point; E57 with its checksums;
 /// * LAS and LAZ 1.0 to 1.4: points that are not withheld or noise, with colours; a scan per source;
 /// * STL, and PLY, OBJ, OFF with faces: a surface. It is sampled evenly by area to `points_of_a_surface` points, the
 ///   vertices of its triangles first, with the normals of its triangles where they are oriented alike.

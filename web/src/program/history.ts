@@ -11,7 +11,7 @@ export interface Task {
   inputs: string[];
 }
 
-const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|pcd|ptx|stl|txt|asc)$/i;
+const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|pcd|ptx|e57|stl|txt|asc)$/i;
 
 export const isScan = (path: string): boolean => scans.test(path);
 

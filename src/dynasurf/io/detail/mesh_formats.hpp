@@ -78,6 +78,9 @@ TriMesh decode_off(const MeshFile& file);
 /// The levels of a binary glTF, see `read_lod_glb`.
 std::vector<LodSurface> decode_lod_glb(const MeshFile& file);
 
+/// Of a cloud.
+inline constexpr std::size_t most_cloud_points = 100'000'000;
+
 /// What a file tells of its vertices beside their places. Each list is empty or has one entry per vertex.
 struct VertexData {
   std::vector<Vec3> normals;  // as in the file, of any length, also not finite
@@ -96,6 +99,7 @@ TriMesh decode_off(const MeshFile& file, VertexData& data);
 TriMesh decode_las(const MeshFile& file, VertexData& data);
 TriMesh decode_pcd(const MeshFile& file, VertexData& data);
 TriMesh decode_ptx(const MeshFile& file, VertexData& data);
+TriMesh decode_e57(const MeshFile& file, VertexData& data);
 TriMesh decode_stl(const MeshFile& file, bool as_cloud);
 /// Rows of numbers: XYZ, PTS, PWN, CSV. See `read_cloud` for the columns. With `normals_first` the columns after the
 /// coordinates are normals of any length.
