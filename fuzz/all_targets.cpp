@@ -20,6 +20,7 @@ std::span<const Target> all_targets() {
       Target{"las", run_las},
       Target{"pcd", run_pcd},
       Target{"ptx", run_ptx},
+      Target{"e57", run_e57},
       Target{"rows", run_rows},
       Target{"tracks", run_tracks},
       Target{"glb", run_glb},

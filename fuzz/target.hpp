@@ -31,6 +31,7 @@ bool run_off(std::string_view bytes);
 bool run_las(std::string_view bytes);
 bool run_pcd(std::string_view bytes);
 bool run_ptx(std::string_view bytes);
+bool run_e57(std::string_view bytes);
 bool run_rows(std::string_view bytes);
 bool run_tracks(std::string_view bytes);
 bool run_glb(std::string_view bytes);

@@ -12,6 +12,7 @@
 #include "dynasurf/synthetic/options.hpp"
 
 #include "seeds.hpp"
+#include "support/e57_writer.hpp"
 #include "support/laz_writer.hpp"
 #include "support/scratch_folder.hpp"
 #include "support/toy_options.hpp"
@@ -74,6 +75,31 @@ std::string big_endian_ply() {
       "property list uchar int vertex_indices\nend_header\n";
   for (int n = 0; n < 3; ++n) out += std::string("\x3f\x80\0\0\0\0\0\0\x40\0\0\0\1\2\3", 15);
   return out + std::string("\3\0\0\0\0\0\0\0\1\0\0\0\2", 13);
+}
+
+/// Scans of two points that have every kind of column between them.
+std::vector<test::E57Scan> e57_scans() {
+  using test::e57_doubles, test::e57_integers, test::e57_singles;
+  const std::string pose =
+      "<pose type=\"Structure\"><rotation type=\"Structure\"><w type=\"Float\">0.6</w><x type=\"Float\">0.8</x>"
+      "</rotation><translation type=\"Structure\"><z type=\"Float\">2</z></translation></pose>";
+  const std::string limits =
+      "<colorLimits type=\"Structure\"><colorRedMinimum type=\"Integer\"/><colorRedMaximum "
+      "type=\"Integer\">255</colorRedMaximum></colorLimits>";
+  return {{{e57_singles("cartesianX", {1, 2}), e57_doubles("cartesianY", {1, 2}),
+            e57_integers("cartesianZ", -9, 500, {-9, 8}, "scale=\"0.1\" offset=\"3\""),
+            e57_integers("cartesianInvalidState", 0, 2, {0, 1}), e57_integers("colorRed", 0, 255, {0, 255}),
+            e57_integers("colorGreen", 0, 255, {9, 9}), e57_integers("colorBlue", 5, 5, {5, 5}),
+            e57_integers("isColorInvalid", 0, 1, {0, 1})},
+           pose + limits,
+           3,
+           true},
+          {{e57_doubles("sphericalRange", {1, 2}), e57_singles("sphericalAzimuth", {1, 2}),
+            e57_integers("sphericalElevation", -3, 3, {1, -3}), e57_integers("sphericalInvalidState", 0, 2, {0, 2}),
+            e57_doubles("nor:normalX", {1, 0}), e57_doubles("nor:normalY", {0, 1}), e57_doubles("nor:normalZ", {0, 0})},
+           "",
+           512,
+           false}};
 }
 
 /// PCD with two points of every kind of field; `data` is the word after DATA.
@@ -148,6 +174,9 @@ void write_mesh_seeds(const fs::path& all) {
   const std::string pose = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n";
   ptx.add("2\n1\n" + pose + "1 2 3 0.5 255 0 9\n0 0 0 0.5 0 0 0\n");
   ptx.add("1\n2\n" + pose + "1 2 3 0.5\n-1 2e-3 3 0.5\n1\n1\n" + pose + "4 5 6 0.1\n");
+  SeedFolder e57(all, "e57");
+  for (const test::E57Scan& scan : e57_scans()) e57.add(test::e57_content({scan}));
+  e57.add(test::e57_content(e57_scans()));
   for (int format = 0; format <= 10; ++format) las_seeds.add(las(format));
   for (const int format : {0, 1, 2, 3, 6, 7, 8}) las_seeds.add(small_laz(format));
   std::vector<io::LodSurface> levels(1);

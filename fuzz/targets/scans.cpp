@@ -1,3 +1,4 @@
+#include "support/e57_writer.hpp"
 #include "targets/meshes.hpp"
 
 namespace dynasurf::fuzz {
@@ -19,5 +20,11 @@ bool decodes(std::string_view bytes, const char* name,
 
 bool run_pcd(std::string_view bytes) { return decodes(bytes, "a.pcd", io::detail::decode_pcd); }
 bool run_ptx(std::string_view bytes) { return decodes(bytes, "a.ptx", io::detail::decode_ptx); }
+
+/// The input is the content of the pages: no change of it would get past their checksums.
+bool run_e57(std::string_view bytes) {
+  decodes(bytes, "a.e57", io::detail::decode_e57);
+  return decodes(test::e57_pages(std::string(bytes)), "a.e57", io::detail::decode_e57);
+}
 
 }  // namespace dynasurf::fuzz
