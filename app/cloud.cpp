@@ -17,7 +17,7 @@ struct CloudArguments {
   std::string triangles, max_error, genus, start, boundary, lid;
   bool keep_sharp = false;
   std::vector<std::string> settings;
-  bool textures = false, strict = false;
+  bool textures = false, packed = false, strict = false;
 };
 
 /// "0.1%" or "0.1": percent of the diagonal either way.
@@ -65,6 +65,7 @@ ExitCode run(const CloudArguments& arguments, std::stop_token stop) {
   job.options = options_of(arguments);
   job.options_file = arguments.file;
   job.textures = arguments.textures;
+  job.packed = arguments.packed;
   CloudOutcome outcome;
   run_with_trace(arguments.result, stop,
                  [&](const Progress& progress) { outcome = reconstruct_cloud_to_folder(job, progress); });
@@ -104,6 +105,8 @@ void add_cloud(CLI::App& program, Command& chosen) {
   command.flag("--strict", a->strict, "end with exit code 3 for the verdict check too, not for fail alone");
   command.flag("--textures", a->textures,
                "write textured.glb too: all levels with normal maps, and colour maps where the points have colours");
+  command.flag("--packed", a->packed,
+               "write packed.glb too: all levels in a quarter of the bytes, for viewers that know meshopt");
   command.run(chosen, [a](std::stop_token stop) { return run(*a, stop); });
 }
 

@@ -57,12 +57,12 @@ CloudOutcome reconstruct_cloud_to_folder(const CloudJob& job, const Progress& pr
   progress.check();
 
   timed("write", 0, 1);
-  report::write_cloud_files(outcome.run, provenance, {job.mesh_formats, job.textures}, folder.path());
+  report::write_cloud_files(outcome.run, provenance, {job.mesh_formats, job.textures, job.packed}, folder.path());
   clock.stop();
   outcome.run.peak_bytes = peak_bytes();
   outcome.json = report::cloud_results_text(
       outcome.run, provenance,
-      {job.mesh_formats, job.textures, job.timings ? report::Timings::keep : report::Timings::omit});
+      {job.mesh_formats, job.textures, job.packed, job.timings ? report::Timings::keep : report::Timings::omit});
   io::write_file(folder.path() / "results.json", outcome.json);
   if (!job.live_page.empty()) write_live_page(job.live_page, job.clouds, folder.path());
   progress.check();

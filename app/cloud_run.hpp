@@ -17,6 +17,7 @@ struct CloudJob : ResultJob {
   std::vector<std::filesystem::path> clouds;
   cloud::Options options;
   bool textures = false;  // textured.glb
+  bool packed = false;    // packed.glb
 };
 
 struct CloudOutcome {

@@ -80,7 +80,9 @@ bool repeat_cloud(const RerunArguments& arguments, const RerunRecord& record, co
     CloudJob read;
     io::options_from_json(record.options, read.options);
     recall(arguments, record, out, read);
-    read.textures = io::flag_in(outputs_of(arguments, record), "textures");
+    const io::JsonNode outputs = outputs_of(arguments, record);
+    read.textures = io::flag_in(outputs, "textures");
+    read.packed = io::has(outputs, "packed") && io::flag_in(outputs, "packed");  // told where it was asked for
     return read;
   });
   job.clouds = find_clouds(arguments, record);

@@ -75,7 +75,7 @@ detail, each with a certificate of its quality.
 .
 Research use only. Not for diagnosis.")
 
-set(development_needs libeigen3-dev libtbb-dev nlohmann-json3-dev zlib1g-dev libpng-dev libpugixml-dev libssl-dev libsqlite3-dev libcairo2-dev)
+set(development_needs libeigen3-dev libtbb-dev nlohmann-json3-dev zlib1g-dev libpng-dev libpugixml-dev libmeshoptimizer-dev libssl-dev libsqlite3-dev libcairo2-dev)
 if(DYNASURF_WITH_DICOM)
   list(APPEND development_needs libdcmtk-dev)
 endif()

@@ -20,6 +20,7 @@ LIBRARIES = {
     "zlib": r"zlib\.h$",
     "libpng": r"png\.h$",
     "pugixml": r"pugixml\.hpp$",
+    "meshoptimizer": r"meshoptimizer\.h$",
     "OpenSSL": r"openssl/",
     "nlohmann-json": r"nlohmann/",
     "CLI11": r"CLI/",

@@ -1,11 +1,11 @@
 # Part of ./dev: what compiles the program for a browser. Compilers come from Debian's packages; the C library for
-# threads, the C++ library with exceptions, zlib, libpng, pugixml and DCMTK's dcmdata are built from the sources of Debian's
-# packages, once, in build/web-toolchain. The machine's own list of package sources stays as it is.
+# threads, the C++ library with exceptions, zlib, libpng, pugixml, meshoptimizer and DCMTK's dcmdata are built from the
+# sources of Debian's packages, once, in build/web-toolchain. The machine's own list of package sources stays as it is.
 
 web_toolchain=build/web-toolchain
 web_packages=(clang-19 lld-19 llvm-19 wasi-libc libclang-rt-19-dev-wasm32 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 dpkg-dev binaryen zopfli
               libeigen3-dev nlohmann-json3-dev libcli11-dev libdcmtk-dev googletest)
-web_sources=(llvm-toolchain-19 wasi-libc dcmtk zlib pugixml)
+web_sources=(llvm-toolchain-19 wasi-libc dcmtk zlib pugixml meshoptimizer)
 
 # fetch_sources: Debian's source packages, by a list of package sources and a cache of its own.
 fetch_sources() {
@@ -33,21 +33,21 @@ unpack_sources() {
   tar -C "$here/sources/libpng" --strip-components=1 -xf "$here"/download/libpng1.6_*.orig.tar.*
   cp "$here/sources/libpng/scripts/pnglibconf.h.prebuilt" "$here/sources/libpng/pnglibconf.h"
   local part
-  for part in wasi-libc dcmtk zlib pugixml; do (cd "$here/sources" && dpkg-source -x ../download/${part}_*.dsc $part); done
+  for part in wasi-libc dcmtk zlib pugixml meshoptimizer; do (cd "$here/sources" && dpkg-source -x ../download/${part}_*.dsc $part); done
 }
 
 # install_headers: what the program includes of the libraries, apart from the system's headers of the same names. Their
 # dates are kept, so that nothing is compiled anew for them.
 install_headers() {
   local from=$web_toolchain/sources to=$web_toolchain/prefix part
-  mkdir -p $to/include/dcmtk/config $to/lib/cmake/{dcmtk,pugixml}
+  mkdir -p $to/include/dcmtk/config $to/lib/cmake/{dcmtk,pugixml,meshoptimizer}
   cp -p $from/zlib/{zlib,zconf}.h $from/libpng/{png,pngconf,pnglibconf}.h $from/pugixml/src/pugi{xml,config}.hpp \
-    $to/include
+    $from/meshoptimizer/src/meshoptimizer.h $to/include
   for part in ofstd oflog dcmdata; do cp -rp $from/dcmtk/$part/include/dcmtk/$part $to/include/dcmtk; done
   cp -p /usr/include/dcmtk/config/osconfig.h $to/include/debian_osconfig.h
   cp -p cmake/wasi/dcmtk/osconfig.h $to/include/dcmtk/config/
   cp -p cmake/wasi/dcmtk/DCMTKConfig.cmake $to/lib/cmake/dcmtk/
-  cp -p cmake/wasi/pugixml/pugixmlConfig.cmake $to/lib/cmake/pugixml/
+  for part in pugixml meshoptimizer; do cp -p cmake/wasi/$part/${part}Config.cmake $to/lib/cmake/$part/; done
   # A long has 32 bits here.
   part=$to/include/dcmtk/config/arith.h
   sed 's/\(SIGNED_LONG_DIGITS10\) .*/\1 9/' /usr/include/dcmtk/config/arith.h >$part

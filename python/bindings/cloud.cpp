@@ -87,14 +87,14 @@ LodsPtr reconstruct_lods(const OriginCloud& cloud, const cloud::Options& options
 }
 
 void save(const Lods& lods, const std::filesystem::path& out, const std::vector<std::string>& mesh_formats,
-          bool textures, bool timings, bool replace) {
-  const report::CloudRecord record{formats_from(mesh_formats), textures,
+          bool textures, bool packed, bool timings, bool replace) {
+  const report::CloudRecord record{formats_from(mesh_formats), textures, packed,
                                    timings ? report::Timings::keep : report::Timings::omit};
   io::OutputFolder folder(out, replace ? io::Existing::move_aside : io::Existing::replace);
   report::CloudRun run = lods.run;
   StageClock clock(run.seconds);
   clock.enter("write");
-  report::write_cloud_files(run, lods.provenance, {record.mesh_formats, textures}, folder.path());
+  report::write_cloud_files(run, lods.provenance, {record.mesh_formats, textures, packed}, folder.path());
   clock.stop();
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) == 0) run.peak_bytes = static_cast<std::size_t>(usage.ru_maxrss) * 1024;
@@ -202,7 +202,7 @@ void bind_cloud_result(py::module_& module) {
           [](const Lods& l, bool timings) {
             return report::cloud_results_text(
                 l.run, l.provenance,
-                {{io::MeshFormat::ply}, false, timings ? report::Timings::keep : report::Timings::omit});
+                {{io::MeshFormat::ply}, false, false, timings ? report::Timings::keep : report::Timings::omit});
           },
           py::arg("timings") = true, py::call_guard<py::gil_scoped_release>())
       .def(
@@ -210,8 +210,8 @@ void bind_cloud_result(py::module_& module) {
           [](const Lods& l) { return report::cloud_report_html(l.run, l.provenance, report::Timings::omit); },
           py::call_guard<py::gil_scoped_release>())
       .def("_options_text", [](const Lods& l) { return l.provenance.options_json; })
-      .def("_save", &save, needed("folder"), needed("mesh_formats"), needed("textures"), needed("timings"),
-           needed("replace"), py::call_guard<py::gil_scoped_release>());
+      .def("_save", &save, needed("folder"), needed("mesh_formats"), needed("textures"), needed("packed"),
+           needed("timings"), needed("replace"), py::call_guard<py::gil_scoped_release>());
 }
 
 }  // namespace

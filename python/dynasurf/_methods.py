@@ -69,7 +69,7 @@ def _save_heart(heart, folder, *, mesh_formats=("ply", "vtp"), timings=True, rep
     folder : path
         Appears whole or not at all. An untouched former result there is replaced.
     mesh_formats : sequence of str
-        ply, stl, obj, off, vtp, glb.
+        ply, stl, obj, off, vtp, glb, 3mf.
     timings : bool
         False: without times, so that equal runs give equal bytes (``--no-timings``).
     replace : bool
@@ -86,7 +86,7 @@ def _save_heart(heart, folder, *, mesh_formats=("ply", "vtp"), timings=True, rep
     heart._save(os.fspath(folder), list(mesh_formats), timings, replace, labels or "", partial_volumes)
 
 
-def _save_cloud(lods, folder, *, mesh_formats=("ply",), textures=False, timings=True, replace=False):
+def _save_cloud(lods, folder, *, mesh_formats=("ply",), textures=False, packed=False, timings=True, replace=False):
     """Write the folder of ``dynasurf cloud``.
 
     Parameters
@@ -94,9 +94,11 @@ def _save_cloud(lods, folder, *, mesh_formats=("ply",), textures=False, timings=
     folder : path
         Appears whole or not at all. An untouched former result there is replaced.
     mesh_formats : sequence of str
-        ply, stl, obj, off, vtp, glb.
+        ply, stl, obj, off, vtp, glb, 3mf.
     textures : bool
         Write textured.glb too.
+    packed : bool
+        Write packed.glb too: all levels in a quarter of the bytes.
     timings, replace : bool
         As of a ventricle's result.
 
@@ -104,7 +106,7 @@ def _save_cloud(lods, folder, *, mesh_formats=("ply",), textures=False, timings=
     ------
     IoError, OptionError
     """
-    lods._save(os.fspath(folder), list(mesh_formats), textures, timings, replace)
+    lods._save(os.fspath(folder), list(mesh_formats), textures, packed, timings, replace)
 
 
 def _results(result):

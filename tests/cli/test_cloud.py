@@ -228,6 +228,19 @@ class Cloud(CliTest):
         again = run("rerun", out)
         self.assertIn("same bytes: 8 files", again.stdout)
 
+    def test_packs_the_levels_when_asked_and_repeats_them(self):
+        out = self.folder / "r"
+        shutil.copy(small_scan(), self.folder / "scan.ply")
+        done = run("cloud", self.folder / "scan.ply", "--out", out, "--triangles", "1280,320", "--packed")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        gltf = glb_json(out / "packed.glb")
+        self.assertEqual([node["name"] for node in gltf["nodes"]], ["level1", "level2"])
+        self.assertIn("KHR_mesh_quantization", gltf["extensionsRequired"])
+        self.assertLess(3 * (out / "packed.glb").stat().st_size, (out / "levels.glb").stat().st_size)
+        self.assertTrue(self.read_json(out / "results.json")["provenance"]["outputs"]["packed"])
+        again = run("rerun", out)
+        self.assertIn("same bytes: 8 files", again.stdout)
+
     def test_reads_several_files_as_one_cloud(self):
         rows = [line for line in (small_scan().parent / "cloud.ply").read_bytes().split(b"end_header\n")[1:]]
         points = [struct.unpack_from("<3d", rows[0], 24 * n) for n in range(4000)]

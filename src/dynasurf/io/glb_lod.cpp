@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
+
+#include <meshoptimizer.h>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/error.hpp"
@@ -42,6 +45,13 @@ std::vector<std::array<std::uint16_t, 4>> linear(const VertexColours& colours) {
 
 constexpr double roughness = 0.7;
 
+/// glTF asks for the underscore.
+std::string attribute_of(const VertexScalar& scalar) {
+  std::string name = "_" + scalar.name;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
+  return name;
+}
+
 GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, std::span<const VertexScalar> scalars,
                          const Vec3& middle, GltfScene& scene) {
   Rows3 rows;
@@ -51,12 +61,111 @@ GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, std:
   primitive["attributes"]["POSITION"] = scene.add_rows(rows, true);
   primitive["attributes"]["NORMAL"] = scene.add_rows(detail::normals_to_write(mesh), false);
   if (!colours.empty()) primitive["attributes"]["COLOR_0"] = scene.add_colours(linear(colours));
-  for (const VertexScalar& scalar : scalars) {
-    std::string name = "_" + scalar.name;  // glTF asks for the underscore
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
-    primitive["attributes"][name] = scene.add_values(scalar.values);
-  }
+  for (const VertexScalar& scalar : scalars)
+    primitive["attributes"][attribute_of(scalar)] = scene.add_values(scalar.values);
   primitive["indices"] = scene.add_triangles(mesh);
+  return primitive;
+}
+
+/// Where the steps of 16 bits begin, and how long they are. All levels share them, so that a change of level moves
+/// nothing.
+struct Steps {
+  static constexpr double most = 65535;
+  Vec3 begin;
+  double length;
+};
+
+Steps steps_of(std::span<const LodSurface> levels) {
+  Eigen::AlignedBox3d box;
+  for (const LodSurface& level : levels)
+    for (const Vec3& p : level.mesh.vertices) box.extend(p);
+  const double extent = box.sizes().maxCoeff();
+  return {box.min(), extent > 0 ? extent / Steps::most : 1};
+}
+
+/// Triangles in an order in which their corners come again soon, and vertices in the order of their first use: so they
+/// pack best. The new number of each vertex, or none where no triangle has it.
+std::vector<std::uint32_t> reorder(const TriMesh& mesh, std::vector<std::uint32_t>& corners) {
+  for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  meshopt_optimizeVertexCache(corners.data(), corners.data(), corners.size(), mesh.vertices.size());
+  std::vector<std::uint32_t> number(mesh.vertices.size());
+  meshopt_optimizeVertexFetchRemap(number.data(), corners.data(), corners.size(), mesh.vertices.size());
+  for (std::uint32_t& corner : corners) corner = number[corner];
+  return number;
+}
+
+/// Rows of `columns` numbers, each row filled up to a multiple of 4 bytes, in the new order of the vertices.
+template <class T, class Row>
+std::string packed_rows(const std::vector<std::uint32_t>& number, std::size_t columns, const Row& row_of) {
+  const std::size_t stride = (columns * sizeof(T) + 3) / 4 * 4;
+  std::size_t count = 0;
+  for (const std::uint32_t n : number)
+    if (n != ~0u) ++count;
+  std::string rows(count * stride, '\0');
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == ~0u) continue;
+    const auto row = row_of(v);
+    for (std::size_t c = 0; c < columns; ++c) {
+      const auto value = static_cast<T>(row[c]);
+      std::memcpy(rows.data() + number[v] * stride + c * sizeof(T), &value, sizeof(T));
+    }
+  }
+  return rows;
+}
+
+/// Shares of 1 take 16 bits, others what they had.
+int add_packed(const VertexScalar& scalar, const std::vector<std::uint32_t>& number, GltfScene& scene) {
+  namespace gltf = detail::gltf;
+  const bool is_share =
+      std::all_of(scalar.values.begin(), scalar.values.end(), [](float v) { return v >= 0 && v <= 1; });
+  if (is_share)
+    return scene.add_packed_rows(
+        packed_rows<std::uint16_t>(number, 1,
+                                   [&](std::size_t v) { return std::array{std::lround(65535.0 * scalar.values[v])}; }),
+        4, "SCALAR", gltf::unsigned_short, true);
+  return scene.add_packed_rows(
+      packed_rows<float>(number, 1, [&](std::size_t v) { return std::array{scalar.values[v]}; }), 4, "SCALAR",
+      gltf::float_32, false);
+}
+
+GltfJson packed_primitive(const LodSurface& level, const Steps& steps, GltfScene& scene) {
+  std::vector<std::uint32_t> corners;
+  const std::vector<std::uint32_t> number = reorder(level.mesh, corners);
+  const Rows3 normals = detail::normals_to_write(level.mesh);
+  std::array<std::int64_t, 3> low{65535, 65535, 65535}, high{};
+  const std::string places = packed_rows<std::uint16_t>(number, 3, [&](std::size_t v) {
+    std::array<std::int64_t, 3> row;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto axis = static_cast<Eigen::Index>(c);
+      row[c] = std::lround((level.mesh.vertices[v][axis] - steps.begin[axis]) / steps.length);
+      low[c] = std::min(low[c], row[c]);
+      high[c] = std::max(high[c], row[c]);
+    }
+    return row;
+  });
+  GltfJson primitive = {{"attributes", GltfJson::object()}};
+  GltfJson& attributes = primitive["attributes"];
+  namespace gltf = detail::gltf;
+  attributes["POSITION"] = scene.add_packed_rows(places, 8, "VEC3", gltf::unsigned_short, false);
+  scene.document["accessors"].back()["min"] = low;
+  scene.document["accessors"].back()["max"] = high;
+  attributes["NORMAL"] = scene.add_packed_rows(
+      packed_rows<std::int8_t>(number, 3,
+                               [&](std::size_t v) {
+                                 std::array<long, 3> row;
+                                 for (std::size_t c = 0; c < 3; ++c)
+                                   row[c] = std::lround(127 * normals[v][static_cast<Eigen::Index>(c)]);
+                                 return row;
+                               }),
+      4, "VEC3", gltf::signed_byte, true);
+  if (!level.colours.empty()) {
+    const auto light = linear(level.colours);
+    attributes["COLOR_0"] =
+        scene.add_packed_rows(packed_rows<std::uint16_t>(number, 4, [&](std::size_t v) { return light[v]; }), 8, "VEC4",
+                              gltf::unsigned_short, true);
+  }
+  for (const VertexScalar& scalar : level.scalars) attributes[attribute_of(scalar)] = add_packed(scalar, number, scene);
+  primitive["indices"] = scene.add_packed_triangles(corners);
   return primitive;
 }
 
@@ -125,18 +234,22 @@ void name_levels(std::span<const LodSurface> levels, GltfJson& document) {
   GltfJson& finest = document["nodes"][0];
   finest["extras"] = {{"MSFT_screencoverage", std::move(coverage)}};
   finest["extensions"] = {{"MSFT_lod", {{"ids", std::move(ids)}}}};
-  document["extensionsUsed"] = {"MSFT_lod"};
+  document["extensionsUsed"].push_back("MSFT_lod");
+}
+
+void check_levels(std::span<const LodSurface> levels, const std::string& what) {
+  if (levels.empty()) throw InputError("cannot write " + what + ": there is no level");
+  for (const LodSurface& level : levels) {
+    detail::check_writable(level.mesh, level.scalars, what);
+    detail::check_colours(level.mesh, level.colours, what);
+    if (is_textured(level)) check_textures(level, what);
+  }
 }
 
 }  // namespace
 
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path) {
-  if (levels.empty()) throw InputError("cannot write " + path.string() + ": there is no level");
-  for (const LodSurface& level : levels) {
-    detail::check_writable(level.mesh, level.scalars, path.string());
-    detail::check_colours(level.mesh, level.colours, path.string());
-    if (is_textured(level)) check_textures(level, path.string());
-  }
+  check_levels(levels, path.string());
   GltfScene scene;
   const bool all_textured = std::all_of(levels.begin(), levels.end(), is_textured);
   const int plain = all_textured ? -1 : scene.add_material("surface", roughness);
@@ -148,6 +261,23 @@ void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::pa
     primitive["material"] = is_textured(level) ? add_textured_material(level, scene) : plain;
     // MSFT_lod names the coarser nodes; in the scene itself they would be drawn over the finest.
     add_node_at(middle, level.name, std::move(primitive), &level == &levels[0], scene);
+  }
+  name_levels(levels, scene.document);
+  write_file(path, scene.encode(path.string()));
+}
+
+void write_packed_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path) {
+  check_levels(levels, path.string());
+  GltfScene scene;
+  scene.document["extensionsUsed"] = {"EXT_meshopt_compression", "KHR_mesh_quantization"};
+  scene.document["extensionsRequired"] = scene.document["extensionsUsed"];
+  const int material = scene.add_material("surface", roughness);
+  const Steps steps = steps_of(levels);
+  for (const LodSurface& level : levels) {
+    GltfJson primitive = packed_primitive(level, steps, scene);
+    primitive["material"] = material;
+    add_node_at(steps.begin, level.name, std::move(primitive), &level == &levels[0], scene);
+    scene.document["nodes"].back()["scale"] = {steps.length, steps.length, steps.length};
   }
   name_levels(levels, scene.document);
   write_file(path, scene.encode(path.string()));

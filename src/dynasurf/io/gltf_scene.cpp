@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <meshoptimizer.h>
+
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/io/detail/bytes.hpp"
 
@@ -93,6 +95,41 @@ int GltfScene::add_numbers(const std::vector<float>& numbers, bool with_bounds) 
   return accessor;
 }
 
+int GltfScene::add_packed_view(std::string_view packed, std::size_t stride, std::size_t count, const char* mode,
+                               int target) {
+  const std::size_t place = append_block(packed.data(), packed.size());
+  GltfJson packing = {{"buffer", 0},          {"byteOffset", place}, {"byteLength", packed.size()},
+                      {"byteStride", stride}, {"count", count},      {"mode", mode}};
+  GltfJson view = {{"buffer", 1}, {"byteOffset", unpacked_}, {"byteLength", stride * count}, {"target", target}};
+  if (target == gltf::array_buffer) view["byteStride"] = stride;
+  view["extensions"]["EXT_meshopt_compression"] = std::move(packing);
+  unpacked_ += stride * count;
+  return add("bufferViews", std::move(view));
+}
+
+int GltfScene::add_packed_rows(std::string_view rows, std::size_t stride, const char* type, int component,
+                               bool normalized) {
+  const std::size_t count = rows.size() / stride;
+  std::string packed(meshopt_encodeVertexBufferBound(count, stride), '\0');
+  packed.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(packed.data()), packed.size(), rows.data(),
+                                           count, stride));
+  const int view = add_packed_view(packed, stride, count, "ATTRIBUTES", gltf::array_buffer);
+  GltfJson accessor = {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
+  if (normalized) accessor["normalized"] = true;
+  return add("accessors", std::move(accessor));
+}
+
+int GltfScene::add_packed_triangles(const std::vector<std::uint32_t>& corners) {
+  const std::size_t vertices = std::size_t{*std::max_element(corners.begin(), corners.end())} + 1;
+  std::string packed(meshopt_encodeIndexBufferBound(corners.size(), vertices), '\0');
+  packed.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(packed.data()), packed.size(),
+                                          corners.data(), corners.size()));
+  const int view = add_packed_view(packed, sizeof(corners[0]), corners.size(), "TRIANGLES", gltf::element_array_buffer);
+  return add(
+      "accessors",
+      {{"bufferView", view}, {"componentType", gltf::unsigned_int}, {"count", corners.size()}, {"type", "SCALAR"}});
+}
+
 int GltfScene::add_png(const std::string& png, const std::string& name) {
   const int view = add_view(png.data(), png.size(), 0);
   const int image = add("images", named(name, {{"mimeType", "image/png"}, {"bufferView", view}}));
@@ -124,6 +161,9 @@ std::string GltfScene::encode(const std::string& what) const {
   GltfJson whole = document;
   if (!shown_.empty()) whole["scenes"][0]["nodes"] = shown_;
   if (!binary_.empty()) whole["buffers"] = GltfJson::array({{{"byteLength", binary_.size()}}});
+  if (unpacked_ > 0)
+    whole["buffers"].push_back(
+        {{"byteLength", unpacked_}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
   // JSON is filled up by spaces, the buffer by zeros (GLB, 4.4.3).
   const std::string json = padded(whole.dump(-1, ' ', false, GltfJson::error_handler_t::replace), ' ');
   const std::string binary = padded(binary_, '\0');
@@ -145,13 +185,20 @@ int GltfScene::add(const char* list, GltfJson item) {
   return static_cast<int>(items.size()) - 1;
 }
 
-int GltfScene::add_view(const void* data, std::size_t bytes, int target) {
+/// Gives the place where it stands.
+std::size_t GltfScene::append_block(const void* data, std::size_t bytes) {
   if (binary_.size() + bytes > max_glb_bytes) throw InputError("the surfaces do not fit one GLB file of 2 GiB");
-  binary_ = padded(std::move(binary_), '\0');  // each block begins aligned; only pictures end elsewhere
-  GltfJson view = {{"buffer", 0}, {"byteLength", bytes}};
-  if (!binary_.empty()) view["byteOffset"] = binary_.size();
-  if (target != 0) view["target"] = target;
+  binary_ = padded(std::move(binary_), '\0');  // each block begins aligned; only pictures and packed ones end elsewhere
+  const std::size_t place = binary_.size();
   binary_.append(static_cast<const char*>(data), bytes);
+  return place;
+}
+
+int GltfScene::add_view(const void* data, std::size_t bytes, int target) {
+  const std::size_t place = append_block(data, bytes);
+  GltfJson view = {{"buffer", 0}, {"byteLength", bytes}};
+  if (place > 0) view["byteOffset"] = place;
+  if (target != 0) view["target"] = target;
   return add("bufferViews", std::move(view));
 }
 

@@ -54,6 +54,13 @@ void write_glb(std::span<const AnimatedSurface> surfaces, double cycle_s, const 
 /// Throws InputError for no level, a mesh that cannot be written or textures that do not fit their corners, OptionError
 /// for colours of another length, IoError.
 void write_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path);
+
+/// The same levels in a quarter of the bytes or less, for viewers: places of 16 bits (KHR_mesh_quantization; a step is
+/// 1/65535 of the longest side of the box around all levels), normals of 8, packed by meshoptimizer
+/// (EXT_meshopt_compression). Vertices and triangles stand in another order, vertices without a triangle are left out,
+/// and textures too. Certificates do not hold for the rounded places. Throws as `write_lod_glb`.
+void write_packed_lod_glb(std::span<const LodSurface> levels, const std::filesystem::path& path);
+
 /// The names and meshes of a file of `write_lod_glb`, in the file's order, without colours and textures; places as
 /// exact as its numbers of 32 bits. The file may come from anybody: nothing outside it is opened, and what does not lie
 /// within it is refused. Throws InputError naming the file and the place for a file that is none, for textured levels,

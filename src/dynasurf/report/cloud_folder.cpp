@@ -42,6 +42,7 @@ void write_levels(const cloud::Result& result, const CloudFolderOptions& options
   const std::vector<double> coverages = coverages_of(meshes);
   for (std::size_t n = 0; n < levels.size(); ++n) levels[n].smallest_coverage = coverages[n];
   io::write_lod_glb(levels, folder / "levels.glb");
+  if (options.packed) io::write_packed_lod_glb(levels, folder / "packed.glb");
   if (!options.textures) return;
   PointCloud points = result.used;
   points.normals = cloud::orient(result.used, true).normals;

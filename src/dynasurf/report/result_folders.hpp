@@ -36,10 +36,11 @@ void write_study_folder(const ventricle::Result& result, const std::filesystem::
 struct CloudFolderOptions {
   std::vector<io::MeshFormat> mesh_formats{io::MeshFormat::ply};
   bool textures = false;  // textured.glb: colours and normals of the points baked into images
+  bool packed = false;    // packed.glb: the levels with 16 bits a coordinate, see `io::write_packed_lod_glb`
 };
 
 /// Writes the files of a result into `folder`, which exists, but for results.json, which tells how long all of it took:
-/// options.json, results.csv, report.html, meshes/, levels.glb, textured.glb. Throws IoError, OptionError.
+/// options.json, results.csv, report.html, meshes/, levels.glb, textured.glb, packed.glb. Throws IoError, OptionError.
 void write_cloud_files(const CloudRun& run, const Provenance& provenance, const CloudFolderOptions& options,
                        const std::filesystem::path& folder);
 

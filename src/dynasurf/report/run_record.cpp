@@ -56,6 +56,7 @@ std::string ventricle_results_text(const ventricle::Result& result, const Proven
 std::string cloud_results_text(const CloudRun& run, const Provenance& provenance, const CloudRecord& record) {
   Json json = cloud_results_json(run, provenance, record.timings);
   json["provenance"]["outputs"] = {{"mesh_formats", words_of(record.mesh_formats)}, {"textures", record.textures}};
+  if (record.packed) json["provenance"]["outputs"]["packed"] = true;
   return io::json_text(json);
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -11,7 +12,7 @@
 // The numbers that glTF 2.0 gives to the kinds of things that we write and read.
 namespace dynasurf::io::detail::gltf {
 
-inline constexpr int unsigned_short = 5123, unsigned_int = 5125, float_32 = 5126;
+inline constexpr int signed_byte = 5120, unsigned_short = 5123, unsigned_int = 5125, float_32 = 5126;
 inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
 inline constexpr int linear = 9729, clamp_to_edge = 33071;
 inline constexpr int triangles = 4;
@@ -45,6 +46,11 @@ class GltfScene {
   int add_values(const std::vector<float>& values);
   /// Of an animation.
   int add_numbers(const std::vector<float>& numbers, bool with_bounds);
+  /// `count` rows of `stride` bytes, a multiple of 4, packed by meshoptimizer (EXT_meshopt_compression); an accessor
+  /// takes what `type` and `component` tell of each.
+  int add_packed_rows(std::string_view rows, std::size_t stride, const char* type, int component, bool normalized);
+  /// The corners of triangles, packed too.
+  int add_packed_triangles(const std::vector<std::uint32_t>& corners);
   /// A whole PNG file; gives the number of its texture.
   int add_png(const std::string& png, const std::string& name);
 
@@ -58,10 +64,13 @@ class GltfScene {
 
  private:
   std::string binary_;
-  std::vector<int> shown_;  // nodes of the scene
+  std::size_t unpacked_ = 0;  // bytes of what is packed: of a buffer that no file holds
+  std::vector<int> shown_;    // nodes of the scene
 
   int add(const char* list, GltfJson item);
+  std::size_t append_block(const void* data, std::size_t bytes);
   int add_view(const void* data, std::size_t bytes, int target);
+  int add_packed_view(std::string_view packed, std::size_t stride, std::size_t count, const char* mode, int target);
   int add_bytes(const void* data, std::size_t bytes, std::size_t count, const char* type, int component, int target);
   template <class Bounds>
   void set_bounds(int accessor, const Bounds& low, const Bounds& high);

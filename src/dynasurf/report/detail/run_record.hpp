@@ -34,7 +34,7 @@ std::string ventricle_results_text(const ventricle::Result& result, const Proven
 /// The same of a cloud.
 struct CloudRecord {
   std::vector<io::MeshFormat> mesh_formats{io::MeshFormat::ply};
-  bool textures = false;
+  bool textures = false, packed = false;
   Timings timings = Timings::keep;
 };
 std::string cloud_results_text(const CloudRun& run, const Provenance& provenance, const CloudRecord& record);
