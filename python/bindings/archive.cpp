@@ -64,7 +64,7 @@ DYNASURF_ARITY(ventricle::Measures, 18);
 DYNASURF_ARITY(ventricle::Result, 12);
 DYNASURF_ARITY(report::InputFile, 3);
 DYNASURF_ARITY(report::Provenance, 6);
-DYNASURF_ARITY(PointCloud, 4);
+DYNASURF_ARITY(PointCloud, 5);
 DYNASURF_ARITY(cloud::Level, 6);
 DYNASURF_ARITY(cloud::Certificate, 22);
 DYNASURF_ARITY(cloud::Facts, 13);

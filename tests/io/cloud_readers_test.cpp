@@ -25,6 +25,7 @@ using test::ScratchFolder;
 using test::write_bytes;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using Colours = std::vector<std::array<std::uint8_t, 3>>;
 
 const std::vector<Vec3> four_points{{0, 0, 0}, {2, 0.5, 0}, {-2, 2, 1e-3}, {0, 2, 4}};
@@ -353,6 +354,33 @@ TEST_F(ReadCloud, BringsTheScansOfAPtxFileToOneFrame) {
   EXPECT_EQ(input.cloud.scans, (std::vector<std::uint32_t>{0, 1, 1}));
   EXPECT_THAT(codes(input), ElementsAre("read.left_out", "read.scans"));
   EXPECT_THAT(refusal("a.ptx", file + "3\n1\n"), HasSubstr("the file ends before"));
+}
+
+TEST_F(ReadCloud, TellsWhereTheScansWereTakenFrom) {
+  const std::string axes = "1 0 0\n0 1 0\n0 0 1\n", still = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  const std::string moved = "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 0 3 1\n", point = "1 2 3 0.5\n";
+  const std::string ptx = "1\n1\n0 0 0\n" + axes + moved + "0 0 0 0.5\n" + "1\n1\n4 5 6\n" + axes + still + point +
+                          "1\n1\n0 0 0\n" + axes + moved + point;
+  // The first scan saw nothing: the others take its number.
+  const CloudInput seen = read("a.ptx", ptx);
+  EXPECT_THAT(seen.cloud.scans, ElementsAre(0, 1));
+  EXPECT_THAT(seen.cloud.scanners, ElementsAre(Vec3(4, 5, 6), Vec3(10, 0, 3)));
+
+  const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nVIEWPOINT ";
+  EXPECT_THAT(read("a.pcd", head + "7 8 9 1 0 0 0\nDATA ascii\n1 2 3\n").cloud.scanners, ElementsAre(Vec3(7, 8, 9)));
+  EXPECT_THAT(read("b.pcd", head + "0 0 0 1 0 0 0\nDATA ascii\n1 2 3\n").cloud.scanners, IsEmpty());
+  EXPECT_THAT(refusal("c.pcd", head + "0 0 nan 1 0 0 0\nDATA ascii\n1 2 3\n"), HasSubstr("the viewpoint is nan"));
+  EXPECT_THAT(refusal("c.pcd", head + "0 0 1\nDATA ascii\n1 2 3\n"), HasSubstr("ends before the viewpoint"));
+
+  // Of a file that does not tell it is not known.
+  write_bytes(folder / "c.xyz", "0 0 0\n");
+  const CloudInput mixed = read_cloud(std::vector{folder / "c.xyz", folder / "a.ptx", folder / "a.pcd"});
+  EXPECT_THAT(mixed.cloud.scans, ElementsAre(0, 1, 2, 3));
+  ASSERT_EQ(mixed.cloud.scanners.size(), 4u);
+  EXPECT_FALSE(mixed.cloud.scanners[0].allFinite());
+  EXPECT_EQ(mixed.cloud.scanners[2], Vec3(10, 0, 3));
+  EXPECT_EQ(mixed.cloud.scanners[3], Vec3(7, 8, 9));
+  EXPECT_THAT(read_cloud(std::vector{folder / "c.xyz", folder / "b.pcd"}).cloud.scanners, IsEmpty());
 }
 
 TEST_F(ReadCloud, RefusesPcdFilesThatLie) {

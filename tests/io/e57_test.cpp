@@ -137,6 +137,25 @@ TEST(E57, BringsScansToOneFrame) {
   EXPECT_THAT(refusal(e57_file({})), HasSubstr("holds no point"));
 }
 
+TEST(E57, TellsWhereAScanWasTakenFromByItsPose) {
+  const auto moved = [](const std::string& x) {
+    E57Scan scan = three_points();
+    scan.more =
+        "<pose type=\"Structure\"><translation type=\"Structure\"><x type=\"Float\">" + x + "</x></translation></pose>";
+    return scan;
+  };
+  EXPECT_THAT(read(e57_file({moved("0"), moved("4")})).cloud.scanners, ElementsAre(Vec3(0, 0, 0), Vec3(4, 0, 0)));
+  EXPECT_THAT(read(e57_file({moved("4")})).cloud.scanners, ElementsAre(Vec3(4, 0, 0)));
+  EXPECT_THAT(read(e57_file({moved("0"), moved("0")})).cloud.scanners, IsEmpty()) << "that of points of no scanner";
+  EXPECT_THAT(read(e57_file({moved("4"), three_points()})).cloud.scanners, IsEmpty());
+  const E57Scan angles{{e57_doubles("sphericalRange", {2, 3, 1}), e57_doubles("sphericalAzimuth", {0, 1, 2}),
+                        e57_doubles("sphericalElevation", {0, 0, 0})},
+                       "",
+                       512,
+                       false};
+  EXPECT_THAT(read(e57_file({angles})).cloud.scanners, ElementsAre(Vec3(0, 0, 0)));
+}
+
 TEST(E57, FollowsAngles) {
   constexpr double pi = std::numbers::pi;
   E57Scan scan{

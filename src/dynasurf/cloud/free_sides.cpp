@@ -69,7 +69,7 @@ std::optional<OrientedPoints> turned_to_free_sides(const OrientedPoints& points,
   const double count = sides.size(), against = std::count(sides.begin(), sides.end(), -1);
   const double one_sided = count - std::count(sides.begin(), sides.end(), 0);
   if (one_sided < most * count || against < many * count) return std::nullopt;
-  PointCloud told{points.points, points.normals, {}, {}};
+  PointCloud told{points.points, points.normals, {}, {}, {}};
   for (std::size_t i = 0; i < sides.size(); ++i) told.normals[i] *= sides[i];
   return orient(told, true);
 }

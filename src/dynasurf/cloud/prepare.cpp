@@ -266,6 +266,10 @@ void check_shape(const PointCloud& cloud) {
     if (other != 0 && other != n)
       throw InputError("the cloud has " + std::to_string(n) + " points, but " + std::to_string(other) +
                        " normals, colours or scan numbers; expected none or as many");
+  const std::uint32_t last = cloud.scans.empty() ? 0 : *std::max_element(cloud.scans.begin(), cloud.scans.end());
+  if (!cloud.scanners.empty() && last >= cloud.scanners.size())
+    throw InputError("the cloud has " + std::to_string(cloud.scanners.size()) + " scanners' places, but a scan " +
+                     std::to_string(last) + "; expected none or one for each scan");
   if (n >= 0xffffffff) throw InputError("the cloud has " + std::to_string(n) + " points; expected fewer than 2^32 - 1");
 }
 

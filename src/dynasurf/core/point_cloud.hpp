@@ -8,13 +8,14 @@
 
 namespace dynasurf {
 
-/// Points of a scanned surface, in any unit of length and any order. Each of the other arrays is empty or has one entry
-/// per point.
+/// Points of a scanned surface, in any unit of length and any order. Each of the other arrays, but for the last, is
+/// empty or has one entry per point.
 struct PointCloud {
   std::vector<Vec3> points;
   std::vector<Vec3> normals;                         // any length but 0, outwards
   std::vector<std::array<std::uint8_t, 3>> colours;  // sRGB
-  std::vector<std::uint32_t> scans;                  // which scan a point comes from
+  std::vector<std::uint32_t> scans;                  // which scan a point comes from; none: all from scan 0
+  std::vector<Vec3> scanners = {};                   // per scan, where it was taken from; not finite: not known
   bool operator==(const PointCloud&) const = default;
 };
 

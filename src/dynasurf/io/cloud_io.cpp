@@ -1,6 +1,7 @@
 #include "dynasurf/io/cloud_io.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "dynasurf/core/detail/letters.hpp"
@@ -67,11 +68,16 @@ void tell(Notes& notes, Severity severity, std::string code, std::string message
   notes.push_back({severity, std::move(code), std::move(message)});
 }
 
-/// The scans numbered from 0 in the order in which they are first seen.
-std::uint32_t renumber(std::vector<std::uint32_t>& scans) {
+/// Numbers the scans on from `first` in the order in which they are first seen; how many they are. Adds the places they
+/// were taken from to `scanners`.
+std::uint32_t renumber(PointCloud& cloud, std::uint32_t first, std::vector<Vec3>& scanners) {
   // A tree, whose time does not depend on which numbers a file has chosen.
   std::map<std::uint32_t, std::uint32_t> numbers;
-  for (auto& scan : scans) scan = numbers.try_emplace(scan, static_cast<std::uint32_t>(numbers.size())).first->second;
+  for (auto& scan : cloud.scans)
+    scan = first + numbers.try_emplace(scan, static_cast<std::uint32_t>(numbers.size())).first->second;
+  scanners.resize(first + numbers.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  for (const auto& [old, number] : numbers)
+    if (!cloud.scanners.empty()) scanners[first + number] = cloud.scanners[old];
   return numbers.size();
 }
 
@@ -178,7 +184,8 @@ PointCloud detail::decode_cloud(const MeshFile& file, CloudSource& source, Notes
     refuse(file, "", 0, "holds " + std::to_string(mesh.vertices.size()) + " points; expected at most 100000000");
   PointCloud cloud;
   if (mesh.triangles.empty()) {
-    cloud = {std::move(mesh.vertices), std::move(data.normals), std::move(data.colours), std::move(data.scans)};
+    cloud = {std::move(mesh.vertices), std::move(data.normals), std::move(data.colours), std::move(data.scans),
+             std::move(data.scanners)};
   } else {
     drop_broken_triangles(mesh, notes);
     source.triangles = mesh.triangles.size();
@@ -213,9 +220,7 @@ CloudInput read_cloud(std::span<const std::filesystem::path> files) {
       throw InputError(path.string() + ": with it the cloud has more than 100000000 points");
     // Files are scans of their own, each with one or more; numbers are made unique across files.
     if (cloud.scans.empty()) cloud.scans.assign(cloud.points.size(), 0);
-    const std::uint32_t here = renumber(cloud.scans);
-    for (auto& scan : cloud.scans) scan += scans;
-    scans += here;
+    scans += renumber(cloud, scans, input.cloud.scanners);
     append_all(input.cloud.scans, cloud.scans);
     append_all(input.cloud.normals, cloud.normals);
     append_all(input.cloud.colours, cloud.colours);
@@ -224,6 +229,8 @@ CloudInput read_cloud(std::span<const std::filesystem::path> files) {
   const std::size_t points = input.cloud.points.size();
   keep_if_whole(input.cloud.normals, points, "normals", input.notes);
   keep_if_whole(input.cloud.colours, points, "colours", input.notes);
+  const auto is_known = [](const Vec3& place) { return place.allFinite(); };
+  if (std::none_of(input.cloud.scanners.begin(), input.cloud.scanners.end(), is_known)) input.cloud.scanners.clear();
   if (scans == 1)
     input.cloud.scans.clear();
   else

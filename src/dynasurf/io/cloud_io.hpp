@@ -34,7 +34,9 @@ struct CloudInput {
 ///
 /// Coordinates that are not finite are kept: scanners write them where they saw nothing. Normals are kept when every
 /// finite point of every file has one that is finite and not 0, colours when every file has them; else a note tells.
-/// Several files, or several scans in a file, are numbered in `scans`, from 0 in the order of appearance.
+/// Several files, or several scans in a file, are numbered in `scans`, from 0 in the order of appearance. Where a scan
+/// was taken from is read from E57 (its pose, unless that of all is none; the middle of angles), PTX (the registered
+/// position, or the middle of the grid's frame where that is 0) and PCD (VIEWPOINT, unless it is that of none).
 /// Strict: cut short, longer or shorter than declared, a value that is no number: all refused, also when comments in
 /// front tell of more ("# Vertices: 35947", "# 500 points"). Where neither the format nor a comment tells (XYZ, TXT,
 /// ASC, CSV, PWN, OBJ), a cut at the end of a row cannot be seen, and the note "read.no_count" says so; nor can a PTS

@@ -255,6 +255,20 @@ void drop_columns(std::vector<Scan>& scans) {
   }
 }
 
+/// Where the scans were taken from. Angles are those of the scanner, and so is the frame of a pose; but points that
+/// are those of no scanner are written with a pose that moves nothing.
+std::vector<Vec3> scanners_of(const std::vector<Scan>& scans) {
+  std::vector<Vec3> scanners;
+  bool is_told = false;
+  for (const Scan& scan : scans) {
+    const bool has_angles = !scan.has(Role::x);
+    if (!scan.has_pose && !has_angles) return {};
+    is_told = is_told || has_angles || scan.translation != Vec3::Zero();
+    scanners.push_back(scan.translation);
+  }
+  return is_told ? scanners : std::vector<Vec3>{};
+}
+
 }  // namespace
 
 TriMesh decode_e57(const MeshFile& file, VertexData& data) {
@@ -282,6 +296,7 @@ TriMesh decode_e57(const MeshFile& file, VertexData& data) {
     left_out += reader.finish(n, is_coloured);
   }
   if (left_out > 0) data.remark = std::to_string(left_out) + " points are marked as invalid and left out";
+  data.scanners = scanners_of(scans);
   if (!is_coloured) {
     data.colours.clear();
     data.remark += std::string(left_out > 0 ? "; " : "") + "not every point has a colour, so none is kept";

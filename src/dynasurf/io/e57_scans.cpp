@@ -210,7 +210,10 @@ Scan read_scan(const XmlText& xml, pugi::xml_node node) {
     for (std::size_t c = 0; c < 3; ++c)
       scan.colour_limits[c] = colour_limits(xml, node, prototype.child(names[c]), names[c]);
   }
-  if (const pugi::xml_node pose = node.child("pose")) read_pose(xml, pose, scan);
+  if (const pugi::xml_node pose = node.child("pose")) {
+    scan.has_pose = true;
+    read_pose(xml, pose, scan);
+  }
   return scan;
 }
 

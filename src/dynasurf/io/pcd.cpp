@@ -28,6 +28,7 @@ struct Field {
 struct Header {
   std::vector<Field> fields;
   std::size_t points = 0, record = 0, cells = 0;
+  std::optional<Vec3> viewpoint;
   std::string data;
 };
 
@@ -53,6 +54,14 @@ void lay_out(const TextReader& text, Header& header) {
     header.record += f.bytes * f.count;
     header.cells += f.count;
   }
+}
+
+/// Where the scanner stood; nothing where the line is the one that tells nothing.
+std::optional<Vec3> read_viewpoint(TextReader& text) {
+  std::array<double, 7> pose{};
+  for (double& n : pose) n = text.coordinate("the viewpoint");
+  if (pose == std::array<double, 7>{0, 0, 0, 1, 0, 0, 0}) return std::nullopt;
+  return Vec3(pose[0], pose[1], pose[2]);
 }
 
 Header read_header(TextReader& text) {
@@ -83,7 +92,9 @@ Header read_header(TextReader& text) {
     } else if (word == "DATA") {
       header.data = text.word();
       break;
-    } else if (word != "VERSION" && word != "VIEWPOINT") {
+    } else if (word == "VIEWPOINT") {
+      header.viewpoint = read_viewpoint(text);
+    } else if (word != "VERSION") {
       text.fail("'" + word + "' has no place in the header of a PCD file");
     }
   }
@@ -224,6 +235,7 @@ TriMesh decode_pcd(const MeshFile& file, VertexData& data) {
     text.fail(std::to_string(header.points) + " points are declared; the file has " + std::to_string(left) +
               " bytes for them");
   require_memory_of(file, header.points, 0, true);
+  if (header.viewpoint) data.scanners = {*header.viewpoint};
   TriMesh mesh;
   mesh.vertices.reserve(header.points);
   if (header.data == "ascii") {

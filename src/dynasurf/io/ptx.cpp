@@ -28,14 +28,18 @@ std::array<double, count> numbers_of_line(TextReader& text, const char* what) {
   return numbers;
 }
 
-/// The number of points of the next scan, after its pose.
-std::size_t read_head(TextReader& text, Pose& pose) {
+/// The number of points of the next scan, after its pose and the scanner's place.
+std::size_t read_head(TextReader& text, Pose& pose, Vec3& scanner) {
   const auto columns = text.number<std::uint32_t>("the columns of a scan");
   if (!text.line_is_done() || !text.next_line_with_words()) text.fail("expected the number of columns alone");
   const auto rows = text.number<std::uint32_t>("the rows of a scan");
   if (!text.line_is_done()) text.fail("expected the number of rows alone");
-  for (int n = 0; n < 4; ++n) numbers_of_line<3>(text, "the scanner's place and axes");
+  for (int n = 0; n < 4; ++n)
+    if (const auto line = numbers_of_line<3>(text, "the scanner's place and axes"); n == 0)
+      scanner = {line[0], line[1], line[2]};
   for (auto& row : pose.rows) row = numbers_of_line<4>(text, "the transformation");
+  // Some programs leave the place to the transformation alone.
+  if (scanner == Vec3::Zero()) scanner = pose.apply(scanner);
   return static_cast<std::size_t>(columns) * rows;
 }
 
@@ -49,7 +53,7 @@ TriMesh decode_ptx(const MeshFile& file, VertexData& data) {
   bool is_coloured = true;
   for (std::uint32_t scan = 0; text.next_line_with_words(); ++scan) {
     Pose pose;
-    const std::size_t points = read_head(text, pose);
+    const std::size_t points = read_head(text, pose, data.scanners.emplace_back());
     for (std::size_t n = 0; n < points; ++n) {
       if (!text.next_line_with_words())
         text.fail("the file ends after " + std::to_string(n) + " of the scan's " + std::to_string(points) + " points");

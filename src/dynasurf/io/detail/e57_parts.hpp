@@ -81,6 +81,7 @@ struct Scan {
   std::array<std::array<double, 2>, 3> colour_limits{};
   Mat3 rotation = Mat3::Identity();  // to the frame of the file
   Vec3 translation = Vec3::Zero();
+  bool has_pose = false;
 
   bool has(Role first) const;  // and the two after it
 };

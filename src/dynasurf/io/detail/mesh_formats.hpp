@@ -86,6 +86,7 @@ struct VertexData {
   std::vector<Vec3> normals;  // as in the file, of any length, also not finite
   std::vector<std::array<std::uint8_t, 3>> colours;
   std::vector<std::uint32_t> scans;  // the file's own numbers
+  std::vector<Vec3> scanners;        // as in PointCloud, by these numbers, for all of them; or none
   std::string remark;                // what was left out on purpose; empty: nothing
   bool has_end = true;               // false: the last line has no end, it may be cut
   bool has_count = true;             // false: nothing in the file tells how much it should hold
