@@ -289,14 +289,43 @@ double share_of_view(const OrientedPoints& o, const Sheet& sheet, const Vec3& pl
   return sum / (4 * std::numbers::pi);
 }
 
+/// How the points that are seen clearly face the places they were scanned from, by area: 1 all straight, -1 all
+/// straight away, 0 where they contradict each other or are too few. A point that is seen at a grazing angle, as at an
+/// edge or where noise tilts its plane, says little.
+double facing_scanners(const OrientedPoints& o, const std::vector<std::uint32_t>& sheet, const PointCloud& cloud) {
+  constexpr double grazing = 0.2, fewest = 0.1, clear = 0.5;
+  double sum = 0, most = 0, all = 0;
+  for (const std::uint32_t i : sheet) {
+    all += o.areas[i];
+    const Vec3 to = cloud.scanners[cloud.scans.empty() ? 0 : cloud.scans[i]] - o.points[i];
+    const double along = o.normals[i].dot(to) / to.norm();
+    if (!(std::abs(along) > grazing)) continue;  // nor where the place is not known
+    sum += o.areas[i] * along;
+    most += o.areas[i] * std::abs(along);
+  }
+  return most > fewest * grazing * all && std::abs(sum) > clear * most ? sum / most : 0;
+}
+
 /// The outermost points of each sheet, the widest one first, face outwards; but inwards where it lies within those
-/// before it: the inner side of a wall whose rim was not scanned.
-void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
+/// before it: the inner side of a wall whose rim was not scanned. Where it was scanned from is better, if it is known.
+void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known, const PointCloud& cloud) {
   constexpr std::size_t asked = 32, fewest = 100;  // smaller sheets enclose nothing
+  double seen = 0, all = 0;
   std::vector<Sheet> sheets = sheets_of(o, known);
   std::stable_sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.extent > b.extent; });
   for (auto s = sheets.begin(); s != sheets.end(); ++s) {
     if (s->is_known) continue;
+    if (!cloud.scanners.empty()) {
+      double area = 0;
+      for (const std::uint32_t i : s->points) area += o.areas[i];
+      all += area;
+      if (const double facing = facing_scanners(o, s->points, cloud); facing != 0) {
+        seen += area;
+        if (facing < 0)
+          for (const std::uint32_t i : s->points) o.normals[i] = -o.normals[i];
+        continue;
+      }
+    }
     const std::size_t step = (s->points.size() + asked - 1) / asked;
     double within = 0, places = 0;
     for (std::size_t k = 0; k < s->points.size(); k += step, ++places)
@@ -305,6 +334,7 @@ void turn_outwards(OrientedPoints& o, const std::vector<std::uint8_t>& known) {
     if (within > 0.5 * places ? s->vote > 0 : s->vote < 0)
       for (const std::uint32_t i : s->points) o.normals[i] = -o.normals[i];
   }
+  o.is_seen = seen > 0.5 * all;
 }
 
 /// Directions that came with the cloud and point into what they enclose are all turned: some programs write them so.
@@ -333,11 +363,14 @@ OrientedPoints first_of(OrientedPoints points, std::size_t count) {
 }
 
 PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
-  if (!(cell > 0)) return {cloud.points, cloud.normals, {}, {}};
+  const bool is_seen = !cloud.scanners.empty(), has_scans = is_seen && !cloud.scans.empty();
+  if (!(cell > 0))
+    return {cloud.points, cloud.normals, {}, has_scans ? cloud.scans : std::vector<std::uint32_t>{}, cloud.scanners};
   Eigen::AlignedBox3d box;
   for (const Vec3& p : cloud.points) box.extend(p);
   const std::vector<InCell> order = by_cell(cloud.points, box.min(), cell);
   PointCloud thin;
+  thin.scanners = cloud.scanners;
   for (std::size_t i = 0, last = 0; i < order.size(); i = last) {
     Vec3 sum = Vec3::Zero(), normal = Vec3::Zero();
     for (last = i; last < order.size() && order[last].cell == order[i].cell; ++last) {
@@ -346,6 +379,7 @@ PointCloud voxel_downsample(const PointCloud& cloud, double cell) {
     }
     thin.points.push_back(sum / (1.0 * (last - i)));
     if (!cloud.normals.empty()) thin.normals.push_back(normal);
+    if (has_scans) thin.scans.push_back(cloud.scans[order[i].index]);
   }
   return thin;
 }
@@ -402,7 +436,7 @@ OrientedPoints orient(const PointCloud& cloud, bool use_normals, std::size_t rin
     }
   });
   turn_together(o, around, known);
-  turn_outwards(o, known);
+  turn_outwards(o, known, cloud);
   turn_given(o, known);
   return o;
 }

@@ -94,7 +94,7 @@ OpenSurface cut_open(const PreparedCloud& p, const IndicatorField& field, const 
 
 /// The surface that is open where the points end, as `rule` says; nothing where they hold all of it.
 std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, const OrientedPoints& fill, double reach,
-                              BoundaryRule rule, const Options& options, Result& result) {
+                              BoundaryRule rule, bool has_directions, const Options& options, Result& result) {
   const OpenSurface open = cut_open(p, field, fill, reach, options);
   if (open.loops == 0) {
     if (options.boundary != BoundaryRule::automatic)
@@ -104,7 +104,7 @@ std::optional<Body> open_body(const PreparedCloud& p, IndicatorField field, cons
   result.facts.boundary = rule;
   result.facts.boundary_loops = open.loops;
   Body body{open.mesh, open.parts, open.genus, false, std::move(field)};
-  if (p.cloud.normals.empty() || !options.use_normals) turn_upwards(body);
+  if (!has_directions) turn_upwards(body);
   return body;
 }
 
@@ -161,7 +161,7 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int cells, R
     return in;
   };
   Inside in = look_inside(oriented_points(p, options, thin_cell));
-  const bool has_directions = options.use_normals && !p.cloud.normals.empty();
+  const bool has_directions = (options.use_normals && !p.cloud.normals.empty()) || in.oriented.is_seen;
   if (options.boundary == BoundaryRule::automatic && in.is_open() && !has_directions)
     if (auto turned = turned_to_free_sides(in.oriented, 2 * thin_cell))
       if (Inside other = look_inside(std::move(*turned)); !other.is_open()) in = std::move(other);
@@ -181,7 +181,7 @@ FoundBody find_body(const PreparedCloud& p, const Options& options, int cells, R
   if (is_asked || (fill && fill->is_open)) {
     const BoundaryRule rule = options.boundary == BoundaryRule::trim ? BoundaryRule::trim : BoundaryRule::keep;
     const OrientedPoints& in_holes = fill ? fill->points : OrientedPoints{};
-    if (auto body = open_body(p, fields.back(), in_holes, reach, rule, options, result))
+    if (auto body = open_body(p, fields.back(), in_holes, reach, rule, has_directions, options, result))
       return {std::move(*body), in_holes, side, {}};
   }
   const std::optional<BodyTopology> expected = fill && !fill->is_open ? std::optional(fill->kind) : std::nullopt;

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dynasurf/cloud/detail/bake.hpp"
+#include "dynasurf/cloud/detail/level_chain.hpp"
 #include "dynasurf/cloud/detail/orient.hpp"
 #include "dynasurf/cloud/lod.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -45,7 +46,9 @@ void write_levels(const cloud::Result& result, const CloudFolderOptions& options
   if (options.packed) io::write_packed_lod_glb(levels, folder / "packed.glb");
   if (!options.textures) return;
   PointCloud points = result.used;
-  points.normals = cloud::orient(result.used, true).normals;
+  // A closed surface faces outwards, also where it was scanned from within.
+  if (!cloud::is_open(result.facts)) points.scanners.clear();
+  points.normals = cloud::orient(points, true).normals;
   for (io::LodSurface& level : levels) level.textured = cloud::bake_textures(level.mesh, points);
   io::write_lod_glb(levels, folder / "textured.glb");
 }
