@@ -13,7 +13,7 @@ const english = {
   research: "Research use only. Not for diagnosis.",
   lead: "Left ventricle from a gated study, light meshes from a scan.",
   drop: "Drop a study or a scan here",
-  kinds: "DICOM files, folders or a zip; NIfTI, NRRD; points and surfaces as PLY, XYZ, OBJ, STL, LAS",
+  kinds: "DICOM files, folders or a zip; NIfTI, NRRD; points and surfaces as PLY, XYZ, OBJ, STL, LAS, E57",
   files: "Choose files",
   folder: "Choose a folder",
   or_try: "Or try an example",
