@@ -1,6 +1,7 @@
 #include "dynasurf/cloud/detail/bake.hpp"
 
 #include <cmath>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -77,6 +78,7 @@ TEST(BakeTextures, GiveEveryTriangleAPlaceOfItsOwn) {
   const mesh::TexturedMesh baked = bake_textures(mesh, ripples(5000));
   ASSERT_EQ(baked.corners.size(), 3 * mesh.triangles.size());
   double area = 0;
+  std::map<std::pair<int, int>, std::size_t> owner;  // of the texels that a triangle shows
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto &a = baked.corners[3 * t].uv, &b = baked.corners[3 * t + 1].uv, &c = baked.corners[3 * t + 2].uv;
     for (const auto& uv : {a, b, c}) {
@@ -86,6 +88,13 @@ TEST(BakeTextures, GiveEveryTriangleAPlaceOfItsOwn) {
     const double twice = (b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0];
     EXPECT_GT(twice, 0) << "none is mirrored, or its bitangent would be wrong";
     area += twice / 2;
+    for (float u = 0; u <= 1; u += 0.05F)
+      for (float v = 0; u + v <= 1; v += 0.05F) {
+        const Eigen::Vector2f uv = a + u * (b - a) + v * (c - a);
+        const std::pair texel(static_cast<int>(uv[0] * static_cast<float>(baked.normals.width)),
+                              static_cast<int>(uv[1] * static_cast<float>(baked.normals.height)));
+        EXPECT_EQ(owner.try_emplace(texel, t).first->second, t);
+      }
     for (std::size_t i = 0; i < 3; ++i) {
       const mesh::TexturedMesh::Corner& corner = baked.corners[3 * t + i];
       EXPECT_EQ(corner.position, mesh.vertices[mesh.triangles[t][i]]);
