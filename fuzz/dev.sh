@@ -14,7 +14,7 @@ fuzz_usage() {
 TEXT
 }
 
-fuzz_targets() { sed -n 's/^dynasurf_fuzz_target(\([a-z_]*\) .*/\1/p' fuzz/CMakeLists.txt; }
+fuzz_targets() { sed -n 's/^dynasurf_fuzz_target(\([a-z0-9_]*\) .*/\1/p' fuzz/CMakeLists.txt; }
 # fuzz_fact TARGET KEY: of its line in fuzz/CMakeLists.txt.
 fuzz_fact() { sed -n "s/^dynasurf_fuzz_target($1 .*\b$2 \([a-z0-9_]*\).*/\1/p" fuzz/CMakeLists.txt; }
 
