@@ -90,13 +90,16 @@ fuzz_confirmed() {
 # that took 15 % (NIfTI) to 40 % (DICOM) of the time, and re-reading the corpus of other processes is of no use to one.
 fuzz_run() {
   local preset=$1 target=$2 seconds=$3 work=$fuzz_work/$2 begin=$SECONDS left finds=0 count
-  local log=$work/log
+  local log=$work/log name words=()
   mkdir -p "$work/corpus" "$work/crashes"
+  for name in "$target" "$(fuzz_fact "$target" SOURCE)"; do
+    [ ! -f "fuzz/dictionaries/$name.dict" ] || { words=(-dict="fuzz/dictionaries/$name.dict"); break; }
+  done
   while left=$((seconds - (SECONDS - begin))) && [ "$left" -gt 0 ]; do
     "build/$preset/bin/fuzz_$target" "$work/corpus" "fuzz/corpus/$target" -max_total_time="$left" -timeout=1 \
       -rss_limit_mb=2048 -malloc_limit_mb=256 -max_len="$(fuzz_fact "$target" LENGTH)" -print_final_stats=1 \
       -entropic=0 -reload=0 \
-      -dict="fuzz/dictionaries/$(fuzz_fact "$target" SOURCE).dict" -artifact_prefix="$work/crashes/" \
+      "${words[@]}" -artifact_prefix="$work/crashes/" \
       >"$log" 2>&1 || true
     count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
     printf '%s\t%s\t%s\t%s\t%s\n' "$target" "${count:-0}" \
