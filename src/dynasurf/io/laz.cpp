@@ -115,9 +115,9 @@ std::vector<LazChunk> read_table(const MeshFile& file, const LasHeader& header, 
     const std::size_t size = static_cast<std::uint32_t>(bytes);
     if (decoder.is_broken() || size > table - place)
       refuse(file, "byte", table, "the table of chunks does not fit the file");
-    chunks.push_back({file.bytes.substr(place, size), std::min(here, left), nullptr});
+    if (here > 0) chunks.push_back({file.bytes.substr(place, size), std::min(here, left), nullptr});
     place += size;
-    left -= chunks.back().points;
+    left -= std::min(here, left);
   }
   if (left > 0)
     refuse(file, "byte", 107,
