@@ -73,6 +73,8 @@ function broken(study) {
     text("ends.nrrd", "NRRD0004\ntype: short"),
     text("twice.nrrd", "NRRD0004\ntype: short\ntype: short\n\n"),
     text("what.ply", "nope\n"),
+    text("what.laz", "nope\n"),
+    text("what.e57", "nope\n"),
     text("head.ply", ply("element vertex 3\n")),
     text("word.ply", ply("corners 3\n")),
     text("type.ply", ply("element vertex 3\nproperty number x\n")),
@@ -198,6 +200,14 @@ const tests = {
     // Names stay as they are, whatever they mean elsewhere; so does a line without an entry.
     assert.equal(words.told("option edges is 'cann'; choices: canny, sobel"), "Option edges ist „cann“; zur Wahl stehen: canny, sobel");
     assert.equal(words.told("no line of the program"), "no line of the program");
+  },
+
+  async "knows every kind of scan that the program reads by its name"() {
+    const { isScan } = await import(`data:text/javascript,${encodeURIComponent(await bundle("program/scans.ts", {}, "esm"))}`);
+    writeFileSync(join(work, "scan.bin"), "x");
+    const endings = refusal("cloud", "scan.bin").split("ends in ")[1].match(/\.[a-z0-9]+/g);
+    assert.ok(endings.length > 12, endings.join());
+    assert.deepEqual(endings.filter((ending) => !isScan(`scan${ending}`)), []);
   },
 
   async "says all of a scan's report in German"(open) {

@@ -1,6 +1,7 @@
 // The runs of a study, in the order in which they were made: which one is shown, and which one it is compared with.
 import { argumentsOf, type ByHand, maskFile, mask_name } from "../host";
 import { copyOf, type Job, type Piece } from "./job";
+import { isScan } from "./scans";
 import { number, text } from "./texts";
 
 /** What a run is of. The command line names no path: only the user knows where the files are. */
@@ -10,10 +11,6 @@ export interface Task {
   make: string[][]; // commands that make the files first
   inputs: string[];
 }
-
-const scans = /\.(ply|xyz|pts|csv|pwn|obj|off|las|pcd|ptx|e57|stl|txt|asc)$/i;
-
-export const isScan = (path: string): boolean => scans.test(path);
 
 /** What files are taken for. */
 export function taskOf(files: Piece[]): Task {

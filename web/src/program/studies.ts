@@ -1,7 +1,8 @@
 // A folder of several studies, scans and results: a list with a picture of each, one to open, some to see side by side.
-import { isScan, type Numbers, numbersOf, numbersText, taskOf } from "./history";
+import { type Numbers, numbersOf, numbersText, taskOf } from "./history";
 import type { Piece } from "./job";
 import type { FoundResult } from "./results";
+import { isScan } from "./scans";
 import { text, told } from "./texts";
 
 /** So many can be seen side by side: a browser draws some sixteen scenes, and a report has several. */
