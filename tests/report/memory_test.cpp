@@ -90,6 +90,7 @@ TEST(Memory, MayFailAnywhereInABinaryGltfFile) {
   std::vector<io::LodSurface> levels(2);
   for (io::LodSurface& level : levels) level.name = "level", level.mesh = test::lopsided_ball(1);
   EXPECT_GT(failures_of([&] { io::write_lod_glb(levels, folder / "b.glb"); }), 100);
+  EXPECT_GT(failures_of([&] { io::write_packed_lod_glb(levels, folder / "c.glb"); }), 100);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <new>
 
 #include <pugixml.hpp>
 
@@ -47,6 +48,7 @@ class XmlText {
     text_.resize(static_cast<std::size_t>(length));
     pages.read(begin_, text_);
     const auto result = tree_.load_buffer_inplace(text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
+    if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();
     if (!result) pages.fail(begin_ + static_cast<std::size_t>(result.offset), "the XML is not well formed");
     if (!root()) pages.fail(begin_, "the XML has no e57Root");
   }

@@ -234,7 +234,7 @@ void name_levels(std::span<const LodSurface> levels, GltfJson& document) {
   GltfJson& finest = document["nodes"][0];
   finest["extras"] = {{"MSFT_screencoverage", std::move(coverage)}};
   finest["extensions"] = {{"MSFT_lod", {{"ids", std::move(ids)}}}};
-  document["extensionsUsed"].push_back("MSFT_lod");
+  document.emplace("extensionsUsed", GltfJson::array()).first->push_back("MSFT_lod");
 }
 
 void check_levels(std::span<const LodSurface> levels, const std::string& what) {

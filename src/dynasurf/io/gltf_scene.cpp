@@ -102,7 +102,7 @@ int GltfScene::add_packed_view(std::string_view packed, std::size_t stride, std:
                       {"byteStride", stride}, {"count", count},      {"mode", mode}};
   GltfJson view = {{"buffer", 1}, {"byteOffset", unpacked_}, {"byteLength", stride * count}, {"target", target}};
   if (target == gltf::array_buffer) view["byteStride"] = stride;
-  view["extensions"]["EXT_meshopt_compression"] = std::move(packing);
+  view["extensions"] = {{"EXT_meshopt_compression", std::move(packing)}};
   unpacked_ += stride * count;
   return add("bufferViews", std::move(view));
 }
