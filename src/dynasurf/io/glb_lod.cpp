@@ -70,7 +70,6 @@ GltfJson plain_primitive(const TriMesh& mesh, const VertexColours& colours, std:
 /// Where the steps of 16 bits begin, and how long they are. All levels share them, so that a change of level moves
 /// nothing.
 struct Steps {
-  static constexpr double most = 65535;
   Vec3 begin;
   double length;
 };
@@ -80,11 +79,11 @@ Steps steps_of(std::span<const LodSurface> levels) {
   for (const LodSurface& level : levels)
     for (const Vec3& p : level.mesh.vertices) box.extend(p);
   const double extent = box.sizes().maxCoeff();
-  return {box.min(), extent > 0 ? extent / Steps::most : 1};
+  return {box.min(), extent > 0 ? extent / 65535 : 1};
 }
 
 /// Triangles in an order in which their corners come again soon, and vertices in the order of their first use: so they
-/// pack best. The new number of each vertex, or none where no triangle has it.
+/// pack best. The new number of each vertex, ~0 where no triangle has it.
 std::vector<std::uint32_t> reorder(const TriMesh& mesh, std::vector<std::uint32_t>& corners) {
   for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
   meshopt_optimizeVertexCache(corners.data(), corners.data(), corners.size(), mesh.vertices.size());
@@ -94,77 +93,73 @@ std::vector<std::uint32_t> reorder(const TriMesh& mesh, std::vector<std::uint32_
   return number;
 }
 
-/// Rows of `columns` numbers, each row filled up to a multiple of 4 bytes, in the new order of the vertices.
-template <class T, class Row>
-std::string packed_rows(const std::vector<std::uint32_t>& number, std::size_t columns, const Row& row_of) {
-  const std::size_t stride = (columns * sizeof(T) + 3) / 4 * 4;
-  std::size_t count = 0;
-  for (const std::uint32_t n : number)
-    if (n != ~0u) ++count;
+/// One to four numbers of a vertex as an accessor of packed rows, in the new order of the vertices.
+template <class T, std::size_t columns, class Row>
+int add_packed(const std::vector<std::uint32_t>& number, int component, bool normalized, const Row& row_of,
+               GltfScene& scene) {
+  constexpr const char* types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+  constexpr std::size_t stride = (columns * sizeof(T) + 3) / 4 * 4;
+  constexpr std::uint32_t none = ~0u;
+  const auto count = number.size() - static_cast<std::size_t>(std::count(number.begin(), number.end(), none));
   std::string rows(count * stride, '\0');
   for (std::size_t v = 0; v < number.size(); ++v) {
-    if (number[v] == ~0u) continue;
-    const auto row = row_of(v);
-    for (std::size_t c = 0; c < columns; ++c) {
-      const auto value = static_cast<T>(row[c]);
-      std::memcpy(rows.data() + number[v] * stride + c * sizeof(T), &value, sizeof(T));
-    }
+    if (number[v] == none) continue;
+    const std::array<T, columns> row = row_of(v);
+    std::memcpy(rows.data() + number[v] * stride, row.data(), sizeof row);
   }
-  return rows;
+  return scene.add_packed_rows(rows, stride, types[columns - 1], component, normalized);
 }
 
 /// Shares of 1 take 16 bits, others what they had.
-int add_packed(const VertexScalar& scalar, const std::vector<std::uint32_t>& number, GltfScene& scene) {
+int add_packed_scalar(const std::vector<float>& values, const std::vector<std::uint32_t>& number, GltfScene& scene) {
   namespace gltf = detail::gltf;
-  const bool is_share =
-      std::all_of(scalar.values.begin(), scalar.values.end(), [](float v) { return v >= 0 && v <= 1; });
-  if (is_share)
-    return scene.add_packed_rows(
-        packed_rows<std::uint16_t>(number, 1,
-                                   [&](std::size_t v) { return std::array{std::lround(65535.0 * scalar.values[v])}; }),
-        4, "SCALAR", gltf::unsigned_short, true);
-  return scene.add_packed_rows(
-      packed_rows<float>(number, 1, [&](std::size_t v) { return std::array{scalar.values[v]}; }), 4, "SCALAR",
-      gltf::float_32, false);
+  if (std::all_of(values.begin(), values.end(), [](float v) { return v >= 0 && v <= 1; }))
+    return add_packed<std::uint16_t, 1>(
+        number, gltf::unsigned_short, true,
+        [&](std::size_t v) { return std::array{static_cast<std::uint16_t>(std::lround(65535.0 * values[v]))}; }, scene);
+  return add_packed<float, 1>(
+      number, gltf::float_32, false, [&](std::size_t v) { return std::array{values[v]}; }, scene);
 }
 
 GltfJson packed_primitive(const LodSurface& level, const Steps& steps, GltfScene& scene) {
+  namespace gltf = detail::gltf;
   std::vector<std::uint32_t> corners;
   const std::vector<std::uint32_t> number = reorder(level.mesh, corners);
-  const Rows3 normals = detail::normals_to_write(level.mesh);
-  std::array<std::int64_t, 3> low{65535, 65535, 65535}, high{};
-  const std::string places = packed_rows<std::uint16_t>(number, 3, [&](std::size_t v) {
-    std::array<std::int64_t, 3> row;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto axis = static_cast<Eigen::Index>(c);
-      row[c] = std::lround((level.mesh.vertices[v][axis] - steps.begin[axis]) / steps.length);
-      low[c] = std::min(low[c], row[c]);
-      high[c] = std::max(high[c], row[c]);
-    }
-    return row;
-  });
   GltfJson primitive = {{"attributes", GltfJson::object()}};
   GltfJson& attributes = primitive["attributes"];
-  namespace gltf = detail::gltf;
-  attributes["POSITION"] = scene.add_packed_rows(places, 8, "VEC3", gltf::unsigned_short, false);
+  std::array<std::uint16_t, 3> low{65535, 65535, 65535}, high{};
+  attributes["POSITION"] = add_packed<std::uint16_t, 3>(
+      number, gltf::unsigned_short, false,
+      [&](std::size_t v) {
+        const Vec3 place = (level.mesh.vertices[v] - steps.begin) / steps.length;
+        std::array<std::uint16_t, 3> row{};
+        for (std::size_t c = 0; c < 3; ++c) {
+          row[c] = static_cast<std::uint16_t>(std::lround(place[static_cast<Eigen::Index>(c)]));
+          low[c] = std::min(low[c], row[c]);
+          high[c] = std::max(high[c], row[c]);
+        }
+        return row;
+      },
+      scene);
   scene.document["accessors"].back()["min"] = low;
   scene.document["accessors"].back()["max"] = high;
-  attributes["NORMAL"] = scene.add_packed_rows(
-      packed_rows<std::int8_t>(number, 3,
-                               [&](std::size_t v) {
-                                 std::array<long, 3> row;
-                                 for (std::size_t c = 0; c < 3; ++c)
-                                   row[c] = std::lround(127 * normals[v][static_cast<Eigen::Index>(c)]);
-                                 return row;
-                               }),
-      4, "VEC3", gltf::signed_byte, true);
+  const Rows3 normals = detail::normals_to_write(level.mesh);
+  attributes["NORMAL"] = add_packed<std::int8_t, 3>(
+      number, gltf::signed_byte, true,
+      [&](std::size_t v) {
+        std::array<std::int8_t, 3> row{};
+        for (std::size_t c = 0; c < 3; ++c)
+          row[c] = static_cast<std::int8_t>(std::lround(127 * normals[v][static_cast<Eigen::Index>(c)]));
+        return row;
+      },
+      scene);
   if (!level.colours.empty()) {
     const auto light = linear(level.colours);
-    attributes["COLOR_0"] =
-        scene.add_packed_rows(packed_rows<std::uint16_t>(number, 4, [&](std::size_t v) { return light[v]; }), 8, "VEC4",
-                              gltf::unsigned_short, true);
+    attributes["COLOR_0"] = add_packed<std::uint16_t, 4>(
+        number, gltf::unsigned_short, true, [&](std::size_t v) { return light[v]; }, scene);
   }
-  for (const VertexScalar& scalar : level.scalars) attributes[attribute_of(scalar)] = add_packed(scalar, number, scene);
+  for (const VertexScalar& scalar : level.scalars)
+    attributes[attribute_of(scalar)] = add_packed_scalar(scalar.values, number, scene);
   primitive["indices"] = scene.add_packed_triangles(corners);
   return primitive;
 }

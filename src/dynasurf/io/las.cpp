@@ -10,9 +10,8 @@
 namespace dynasurf::io::detail {
 namespace {
 
-constexpr std::size_t shortest_header = 227, header_14 = 375;
+constexpr std::size_t shortest_header = 227, header_14 = 375, none = LasFormat::none;
 /// Formats 4, 5, 9 and 10 add waveforms, which are left out.
-constexpr std::size_t none = LasFormat::none;
 constexpr LasFormat formats[] = {{20, none, none, false}, {28, 20, none, false}, {26, none, 20, false},
                                  {34, 20, 28, false},     {57, 20, none, true},  {63, 20, 28, true},
                                  {30, 22, none, false},   {36, 22, 30, false},   {38, 22, 30, false},
