@@ -1,5 +1,6 @@
 #include "dynasurf/cloud/stage_cache.hpp"
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,23 @@ TEST(StageCache, DoesAgainWhatAChangeTouches) {
   EXPECT_EQ(stages_of(cloud, options, cache), "points levels");
   options.genus = GenusRule::keep;
   EXPECT_EQ(stages_of(cloud, options, cache), all);
+}
+
+// Scanners write no numbers where they saw nothing, and not every file tells a scanner's place.
+TEST(StageCache, KnowsACloudAgainWhatIsNotKnownOfIt) {
+  PointCloud cloud = scan_of("vase");
+  const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  cloud.points.push_back(unknown);
+  cloud.scans.assign(cloud.points.size(), 0);
+  cloud.scanners = {unknown};
+  Options options;
+  options.triangles = {320, 160};
+  StageCache cache;
+  stages_of(cloud, options, cache);
+  options.triangles = {320, 80};
+  EXPECT_EQ(stages_of(cloud, options, cache), "points levels");
+  cloud.scanners = {Vec3::Zero()};
+  EXPECT_EQ(stages_of(cloud, options, cache), "points inside levels");
 }
 
 TEST(StageCache, ForgetsAnotherCloud) {
