@@ -27,7 +27,8 @@ using Colours = std::vector<std::array<std::uint8_t, 3>>;
 using LodsPtr = std::shared_ptr<Lods>;
 using CloudPtr = std::shared_ptr<OriginCloud>;
 
-CloudPtr cloud_from(const Numbers<double>& points, const py::object& normals, const py::object& colours) {
+CloudPtr cloud_from(const Numbers<double>& points, const py::object& normals, const py::object& colours,
+                    const py::object& scans, const py::object& scanners) {
   auto cloud = std::make_shared<OriginCloud>();
   cloud->cloud.points = points_from(points, "points");
   const std::size_t count = cloud->cloud.points.size();
@@ -48,6 +49,13 @@ CloudPtr cloud_from(const Numbers<double>& points, const py::object& normals, co
     const auto* first = reinterpret_cast<const std::array<std::uint8_t, 3>*>(rows.data());
     cloud->cloud.colours.assign(first, first + count);
   }
+  if (!scans.is_none()) {
+    const auto numbers = py::cast<Numbers<std::uint32_t>>(scans);
+    if (numbers.ndim() != 1) throw OptionError("scans have the shape " + shape_text(numbers) + "; expected (n,)");
+    require_one_each(static_cast<std::size_t>(numbers.size()), "scans");
+    cloud->cloud.scans.assign(numbers.data(), numbers.data() + count);
+  }
+  if (!scanners.is_none()) cloud->cloud.scanners = points_from(py::cast<Numbers<double>>(scanners), "scanners");
   cloud->sources = {{"array", count, 0}};
   return cloud;
 }
@@ -219,13 +227,20 @@ void bind_cloud_result(py::module_& module) {
 void bind_cloud(py::module_& module) {
   py::class_<OriginCloud, CloudPtr>(module, "PointCloud", "Points of a scanned surface, in any unit.")
       .def(by_pickle<OriginCloud>())
-      .def(py::init(&cloud_from), needed("points"), py::arg("normals") = py::none(), py::arg("colours") = py::none())
+      .def(py::init(&cloud_from), needed("points"), py::arg("normals") = py::none(), py::arg("colours") = py::none(),
+           py::arg("scans") = py::none(), py::arg("scanners") = py::none())
       .def("__len__", [](const OriginCloud& c) { return c.cloud.points.size(); })
       .def_property_readonly(
           "points", [](const CloudPtr& c) { return view_of(c->cloud.points, c); }, "(n, 3) float64: a read-only view.")
       .def_property_readonly(
           "normals", [](const CloudPtr& c) { return view_of(c->cloud.normals, c); },
           "(n, 3) float64, outwards; empty: none.")
+      .def_property_readonly(
+          "scans", [](const CloudPtr& c) { return view_of_values(c->cloud.scans, c); },
+          "(n,) uint32: which scan a point comes from; empty: all from one.")
+      .def_property_readonly(
+          "scanners", [](const CloudPtr& c) { return view_of(c->cloud.scanners, c); },
+          "(scans, 3) float64: where each was taken from, NaN where that is not known; empty: nowhere known.")
       .def_readonly("notes", &OriginCloud::notes);
   bind_certificate(module);
   bind_levels(module);

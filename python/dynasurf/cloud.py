@@ -54,7 +54,8 @@ def reconstruct(
     Parameters
     ----------
     points : array_like, (n, 3), or PointCloud
-        In any unit.
+        In any unit. ``PointCloud(points, scanners=[place])`` tells where the scanner stood, which open surfaces then
+        face; with several, ``scans`` gives the number of each point's.
     options : Options, optional
         In the place of those of `preset`.
     triangles : list of int, optional

@@ -49,6 +49,25 @@ def test_a_terrain_stays_open_unless_told_otherwise():
     assert closed.facts.boundary == "close" and not closed[0].certificate.sound_open
 
 
+def test_an_open_surface_faces_its_scanner():
+    across = np.linspace(-1, 1, 40)
+    x, y = (a.ravel() for a in np.meshgrid(across, across))
+    points = np.stack([x, y, 0.2 * (x**2 + y**2)], axis=1)
+    for height in (5, -5):
+        place = [[0, 0, height]]
+        cloud = ds.cloud.PointCloud(points, scans=np.zeros(len(points), int), scanners=place)
+        assert np.array_equal(cloud.scanners, place) and not cloud.scans.any() and len(cloud.scans) == len(points)
+        level = ds.cloud.reconstruct(cloud, triangles=[320], boundary="keep")[0]
+        corners = level.vertices[level.triangles]
+        across_it = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (np.sign(across_it[:, 2]) == np.sign(height)).all()
+    for wrong in ({"scans": [0]}, {"scans": np.zeros((len(points), 1))}, {"scanners": [1, 2]}):
+        with pytest.raises(ds.OptionError):
+            ds.cloud.PointCloud(points, **wrong)
+    with pytest.raises(ds.InputError):
+        ds.cloud.reconstruct(ds.cloud.PointCloud(points, scans=np.ones(len(points), int), scanners=[[0, 0, 1]]))
+
+
 def test_colours_reach_the_vertices(cloud):
     colours = np.zeros((len(cloud), 3), "u1")
     colours[:, 1] = 200
