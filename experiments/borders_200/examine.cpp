@@ -62,12 +62,12 @@ std::string text_of(const ventricle::Result& r) {
   std::snprintf(
       text.data(), text.size(),
       "contrast %.2f share %.2f rival %.2f end %.2f out %.2f hot %.2f noise %.3f bridged %.3f unround %.3f moves "
-      "%.1f thick %.1f counts %.2f %.2f rough %.3f %.3f es %.2f seen %.2f spread %.1f cut %.2f wall %.3f edv "
+      "%.1f %.1f thick %.1f counts %.2f %.2f rough %.3f %.3f es %.2f seen %.2f spread %.1f cut %.2f wall %.3f edv "
       "%.0f long %.2f %.2f apart %.1f on %.3f %.3f",
       r.heart ? r.heart->contrast : 0, r.heart ? r.heart->ridge_share : 0, r.heart ? r.heart->runner_up : 0,
       r.heart ? r.heart->other_end : 0, r.heart ? r.heart->outside : 0, c.hot_neighbour, c.noise, c.bridged, c.unround,
-      c.moves_mm, c.thickness_mm, c.least_counts, c.most_counts, c.endo_roughness, c.epi_roughness, c.end_systole,
-      c.base_seen, c.base_spread_mm, c.base_cut, r.wall_variation.value_or(-1),
+      c.counts_move_mm, c.surface_moves_mm, c.thickness_mm, c.least_counts, c.most_counts, c.endo_roughness,
+      c.epi_roughness, c.end_systole, c.base_seen, c.base_spread_mm, c.base_cut, r.wall_variation.value_or(-1),
       r.readings.edge.edv_ml.value_or(heart::Estimate{-1}).value, c.length_to_width,
       r.heart ? r.heart->cup.half_length_mm / r.heart->cup.radius_mm : 0, c.readings_apart,
       on(r, ventricle::Border::endo), on(r, ventricle::Border::epi));

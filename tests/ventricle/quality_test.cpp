@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -150,6 +154,17 @@ TEST(Judge, AsksToCheckASurfaceThatLiesBesideTheHeart) {
   EXPECT_EQ(codes_of(result), (Codes{"surface_off_heart", "heart_moves"}));
 }
 
+TEST(Judge, DoubtsASurfaceThatLiesAsideInOneGateOnlyWhereEdgesLead) {
+  Result result = good_result();
+  for (Gate& gate : result.gates) gate.edge_surfaces.epi->mesh.vertices = {{0, 0, -10}};
+  result.gates[6].edge_surfaces.epi->mesh.vertices = {{6, 0, -10}};
+  EXPECT_EQ(codes_of(result), Codes{"heart_moves"});
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::check);
+  result.leading.ef_percent = heart::Estimate{60, 2};
+  EXPECT_EQ(codes_of(result), Codes{"heart_moves"});
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::ok);
+}
+
 TEST(Judge, AsksToCheckAHeartThatIsNotAllInTheVolumeOrTooLong) {
   Result result = good_result();
   result.heart->outside = 0.2;
@@ -241,6 +256,77 @@ TEST(Judge, AsksToCheckAHeartThatThickSlicesStretched) {
 bool is_flagged(const Result& result, const std::string& code) {
   const Codes codes = codes_of(result);
   return std::find(codes.begin(), codes.end(), code) != codes.end();
+}
+
+std::optional<Severity> doubt_of(const Result& result, const std::string& code) {
+  for (const QualityFlag& flag : assess(result))
+    if (flag.code == code) return flag.severity;
+  return {};
+}
+
+TEST(Judge, DoubtsSurfacesBesideTheHeartThatLead) {
+  Result result = good_result();
+  for (Gate& gate : result.gates) gate.edge_surfaces.epi->mesh.vertices = {{9, 0, -10}};
+  EXPECT_EQ(doubt_of(result, "surface_off_heart"), Severity::warning);
+  result.leading.ef_percent = heart::Estimate{60, 2};
+  result.readings.psf_corrected.emplace().gates.resize(8);
+  result.readings.psf_corrected->gates[3].epi.vertices = {{7, 0, -10}};
+  EXPECT_EQ(doubt_of(result, "surface_off_heart"), Severity::info) << "the fit lies on the heart";
+  result.readings.psf_corrected->gates[3].epi.vertices = {{9, 0, -10}};
+  EXPECT_EQ(doubt_of(result, "surface_off_heart"), Severity::warning);
+}
+
+TEST(Judge, BearsRougherEdgesBesideAFit) {
+  const auto result_of = [](double jump_ml, double spread_mm) {
+    Result result = good_result();
+    for (int g = 0; g < 8; ++g) {
+      result.gates[g].edge_surfaces.endo->volume_ml = g == 3 ? 100 - jump_ml : 100;
+      result.gates[g].edge_surfaces.base_plane = heart::BasePlane{{0, 0, 25}, {0, 0, 1}, spread_mm, 1};
+    }
+    return result;
+  };
+  for (const bool is_fitted : {false, true}) {
+    Result little = result_of(40, 5), much = result_of(60, 7);
+    if (is_fitted)
+      for (Result* r : {&little, &much}) r->leading.ef_percent = heart::Estimate{60, 2};
+    for (const char* code : {"curve_rough", "base_uncertain"}) {
+      EXPECT_EQ(doubt_of(little, code), is_fitted ? Severity::info : Severity::warning) << code;
+      EXPECT_EQ(doubt_of(much, code), Severity::warning) << code;
+    }
+  }
+}
+
+/// Gates of a ventricle as hot as 1 beside a liver of half of that, the ventricle moved aside in some of them.
+std::vector<Image> gates_of_a_beat(const std::vector<double>& aside_mm) {
+  Grid grid{{32, 32, 32}};
+  grid.spacing = Vec3::Constant(5), grid.origin = Vec3::Constant(-77.5);
+  std::vector<Image> gates;
+  for (std::size_t g = 0; g < aside_mm.size(); ++g) {
+    const double narrower = 1 - 0.15 * std::sin(std::numbers::pi * g / aside_mm.size());
+    Image image(grid, 0.05F);
+    std::size_t voxel = 0;
+    for (int k = 0; k < 32; ++k)
+      for (int j = 0; j < 32; ++j)
+        for (int i = 0; i < 32; ++i, ++voxel) {
+          const Vec3 p = grid.origin + 5 * Vec3(i, j, k);
+          const double q = (p - Vec3(aside_mm[g], 0, 0)).cwiseQuotient(narrower * Vec3(35, 35, 45)).norm();
+          if (q > 0.65 && q < 1 && p[2] < 25)
+            image.values[voxel] = 1;
+          else if (p[1] < -45)
+            image.values[voxel] = 0.5F;
+        }
+    gates.push_back(std::move(image));
+  }
+  return gates;
+}
+
+TEST(Judge, AsksToCheckAPatientWhoMoved) {
+  Result result = good_result();
+  result.leading.ef_percent = heart::Estimate{60, 2};
+  result.study.gates = gates_of_a_beat(std::vector<double>(8, 0.0));
+  EXPECT_FALSE(is_flagged(result, "heart_moves")) << "a beat is no move";
+  result.study.gates = gates_of_a_beat({0, 0, 15, 15, 15, 15, 0, 0});
+  EXPECT_EQ(doubt_of(result, "heart_moves"), Severity::warning) << "whatever leads";
 }
 
 TEST(Judge, AsksToCheckWhatTwoReadingsDisagreeAbout) {

@@ -121,22 +121,71 @@ double largest_residual(const std::vector<std::optional<double>>& values) {
 }
 
 /// A heart narrows about its axis: across the axis its middle stays, along it moves smoothly.
-double largest_move(const Result& result, const heart::LvShell& cup) {
+double largest_move(std::span<const std::optional<Vec3>> middles, const heart::LvShell& cup) {
   const heart::ShellBasis a = heart::across(cup.axis);
   std::vector<double> u, v;
   std::vector<std::optional<double>> along;
-  for (const Gate& gate : result.gates) {
-    if (!gate.edge_surfaces.epi || gate.edge_surfaces.epi->mesh.vertices.empty()) {
+  for (const std::optional<Vec3>& middle : middles) {
+    if (!middle) {
       along.push_back(std::nullopt);
       continue;
     }
-    const Vec3 d = mean_point(gate.edge_surfaces.epi->mesh.vertices) - cup.centre;
+    const Vec3 d = *middle - cup.centre;
     u.push_back(d.dot(a.u)), v.push_back(d.dot(a.v)), along.push_back(d.dot(cup.axis));
   }
-  double largest = result.gates.size() < 4 ? 0 : largest_residual(along);
+  double largest = middles.size() < 4 ? 0 : largest_residual(along);
   const double mean_u = quantile(u, 0.5), mean_v = quantile(v, 0.5);
   for (std::size_t n = 0; n < u.size(); ++n) largest = std::max(largest, own::hypot(u[n] - mean_u, v[n] - mean_v));
   return largest;
+}
+
+std::vector<std::optional<Vec3>> middles_of_surfaces(const Result& result) {
+  std::vector<std::optional<Vec3>> middles;
+  for (const Gate& gate : result.gates) {
+    const auto& epi = gate.edge_surfaces.epi;
+    middles.push_back(epi && !epi->mesh.vertices.empty() ? std::optional(mean_point(epi->mesh.vertices))
+                                                         : std::nullopt);
+  }
+  return middles;
+}
+
+/// Middle of each gate's counts above the background, around the heart. What stands still beside it shortens moves: to
+/// about a half behind a camera.
+std::vector<std::optional<Vec3>> middles_of_counts(std::span<const Image> gates, const Image& mean,
+                                                   const heart::LvShell& cup) {
+  constexpr double beyond_mm = 15, fades_mm = 10, background_share = 0.3;
+  struct Place {
+    std::size_t voxel;
+    Vec3 position;
+    double weight;
+  };
+  std::vector<Place> places;
+  std::vector<double> values;
+  const Grid& grid = mean.grid;
+  std::size_t voxel = 0;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i, ++voxel) {
+        const Vec3 position = centre_of(grid, {i, j, k});
+        const double within = cup.half_length_mm + beyond_mm - (position - cup.middle()).norm();
+        if (within <= 0) continue;
+        places.push_back({voxel, position, std::min(1.0, within / fades_mm)});
+        values.push_back(mean.values[voxel]);
+      }
+  std::vector<std::optional<Vec3>> middles(gates.size());
+  if (places.empty()) return middles;
+  const double background = quantile(values, background_share);
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    double sum = 0;
+    Vec3 moment = Vec3::Zero();
+    for (const Place& place : places) {
+      const double counts = place.weight * std::max(0.0, gates[g].values[place.voxel] - background);
+      sum += counts;
+      moment += counts * place.position;
+    }
+    if (sum > 0) middles[g] = moment / sum;
+  }
+  return middles;
 }
 
 void look_at_image(const Result& result, const heart::LvShell& world, QualityMetrics& clues) {
@@ -153,6 +202,7 @@ void look_at_image(const Result& result, const heart::LvShell& world, QualityMet
   if (!(usual > 0)) return;
   clues.least_counts = *std::min_element(counts.begin(), counts.end()) / usual;
   clues.most_counts = *std::max_element(counts.begin(), counts.end()) / usual;
+  clues.counts_move_mm = largest_move(middles_of_counts(result.study.gates, mean, cup), cup);
 }
 
 void look_at_surfaces(const Result& result, const heart::LvShell& cup, QualityMetrics& clues) {
@@ -175,7 +225,7 @@ void look_at_surfaces(const Result& result, const heart::LvShell& cup, QualityMe
   if (most_ml > 0)
     clues.bridged =
         (1 - result.heart->ridge_share) * clues.thickness_mm / own::cbrt(3000 * most_ml / (4 * std::numbers::pi));
-  clues.moves_mm = largest_move(result, cup);
+  clues.surface_moves_mm = largest_move(middles_of_surfaces(result), cup);
 }
 
 void look_at_curves(const Result& result, QualityMetrics& clues) {

@@ -17,7 +17,9 @@ struct QualityMetrics {
   double noise = 0;          // of a point of the wall from gate to gate, relative to the wall
   double bridged = 0;        // of the largest cavity: what surfaces may err by where no wall is seen, see below
   double unround = 0;        // spread of the outer surface's radius around the axis, relative to it; the worst gate
-  double moves_mm = 0;       // how far a gate's outer surface lies from where the smooth beat has it; the worst gate
+  // How far the middle of a gate's counts around the heart, and of its outer surface between edges, lies from where the
+  // smooth beat has it; the worst gate.
+  double counts_move_mm = 0, surface_moves_mm = 0;
   double thickness_mm = 12;  // between the two surfaces, mean of the gates
   double least_counts = 1;   // of a gate around the heart, relative to the usual gate
   double most_counts = 1;
