@@ -50,10 +50,16 @@ CloudPtr cloud_from(const Numbers<double>& points, const py::object& normals, co
     cloud->cloud.colours.assign(first, first + count);
   }
   if (!scans.is_none()) {
-    const auto numbers = py::cast<Numbers<std::uint32_t>>(scans);
+    const auto numbers = py::cast<Numbers<std::int64_t>>(scans);
     if (numbers.ndim() != 1) throw OptionError("scans have the shape " + shape_text(numbers) + "; expected (n,)");
     require_one_each(static_cast<std::size_t>(numbers.size()), "scans");
-    cloud->cloud.scans.assign(numbers.data(), numbers.data() + count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int64_t number = numbers.data()[i];
+      if (number < 0 || number > 0x7fffffff)
+        throw OptionError("point " + std::to_string(i) + " has the scan " + std::to_string(number) +
+                          "; expected 0 to 2147483647");
+      cloud->cloud.scans.push_back(static_cast<std::uint32_t>(number));
+    }
   }
   if (!scanners.is_none()) cloud->cloud.scanners = points_from(py::cast<Numbers<double>>(scanners), "scanners");
   cloud->sources = {{"array", count, 0}};

@@ -61,7 +61,8 @@ def test_an_open_surface_faces_its_scanner():
         corners = level.vertices[level.triangles]
         across_it = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         assert (np.sign(across_it[:, 2]) == np.sign(height)).all()
-    for wrong in ({"scans": [0]}, {"scans": np.zeros((len(points), 1))}, {"scanners": [1, 2]}):
+    before_the_first = np.full(len(points), -1)
+    for wrong in ({"scans": [0]}, {"scans": points}, {"scans": before_the_first}, {"scanners": [1, 2]}):
         with pytest.raises(ds.OptionError):
             ds.cloud.PointCloud(points, **wrong)
     with pytest.raises(ds.InputError):
