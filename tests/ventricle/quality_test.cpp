@@ -297,13 +297,13 @@ TEST(Judge, BearsRougherEdgesBesideAFit) {
 }
 
 /// Gates of a ventricle as hot as 1 beside a liver of half of that, the ventricle moved aside in some of them.
-std::vector<Image> gates_of_a_beat(const std::vector<double>& aside_mm) {
+std::vector<Image> gates_of_a_beat(const std::vector<double>& aside_mm, float background = 0.05F) {
   Grid grid{{32, 32, 32}};
   grid.spacing = Vec3::Constant(5), grid.origin = Vec3::Constant(-77.5);
   std::vector<Image> gates;
   for (std::size_t g = 0; g < aside_mm.size(); ++g) {
     const double narrower = 1 - 0.15 * std::sin(std::numbers::pi * g / aside_mm.size());
-    Image image(grid, 0.05F);
+    Image image(grid, background);
     std::size_t voxel = 0;
     for (int k = 0; k < 32; ++k)
       for (int j = 0; j < 32; ++j)
@@ -327,6 +327,8 @@ TEST(Judge, AsksToCheckAPatientWhoMoved) {
   EXPECT_FALSE(is_flagged(result, "heart_moves")) << "a beat is no move";
   result.study.gates = gates_of_a_beat({0, 0, 15, 15, 15, 15, 0, 0});
   EXPECT_EQ(doubt_of(result, "heart_moves"), Severity::warning) << "whatever leads";
+  result.study.gates = gates_of_a_beat({0, 0, 10, 10, 10, 10, 0, 0}, 0.45F);
+  EXPECT_EQ(doubt_of(result, "heart_moves"), Severity::warning) << "in a bright background too";
 }
 
 TEST(Judge, AsksToCheckWhatTwoReadingsDisagreeAbout) {
@@ -376,9 +378,7 @@ TEST(Judge, AsksToCheckAWallThatIsThickToEdgesAndToTheFit) {
     give_shape(result, epi_radius, 1.2 * epi_radius, endo_radius);
     result.leading.ef_percent = heart::Estimate{60, 4};
     result.readings.psf_corrected.emplace().thickness_mm.value = fitted_mm;
-    for (const QualityFlag& flag : assess(result))
-      if (flag.code == "thickness_implausible") return flag.severity;
-    return {};
+    return doubt_of(result, "thickness_implausible");
   };
   EXPECT_EQ(doubt(38, 25, 9), std::nullopt);
   EXPECT_EQ(doubt(45, 23, 7), Severity::info) << "edges behind a wide point spread";
@@ -402,11 +402,7 @@ TEST(Judge, DoubtsABorderThatIsNotRoundOnlyWhereEdgesLead) {
   Result result = good_result();
   result.heart->cup = {{0, 0, 0}, {0, 0, 1}, 30, 40, 25};
   give_shape(result, 38, 48, 25);
-  const auto doubt = [&]() -> std::optional<Severity> {
-    for (const QualityFlag& flag : assess(result))
-      if (flag.code == "section_not_round") return flag.severity;
-    return {};
-  };
+  const auto doubt = [&] { return doubt_of(result, "section_not_round"); };
   EXPECT_EQ(doubt(), std::nullopt);
   for (Gate& gate : result.gates)
     for (Vec3& p : gate.edge_surfaces.epi->mesh.vertices) p[0] *= 1.5;

@@ -56,17 +56,33 @@ bool touches_something_hot(const std::vector<double>& profile, double typical) {
   return false;
 }
 
-/// Counts within a sphere around the heart: what lies elsewhere would hide what a gate lacks.
-std::vector<double> counts_of(std::span<const Image> gates, const heart::LvShell& cup) {
-  const double reach = cup.half_length_mm + 15;
-  std::vector<double> counts(gates.size());
-  const Grid& grid = gates.front().grid;
+/// A voxel of the sphere around the heart that is looked at: what lies elsewhere would hide what a gate lacks.
+struct Place {
+  std::size_t voxel = 0;
+  Vec3 position{0, 0, 0};
+  double within_mm = 0;  // the sphere
+};
+std::vector<Place> places_around(const Grid& grid, const heart::LvShell& cup) {
+  constexpr double beyond_mm = 15;
+  std::vector<Place> places;
+  std::size_t voxel = 0;
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i) {
-        if ((centre_of(grid, {i, j, k}) - cup.middle()).norm() > reach) continue;
-        for (std::size_t g = 0; g < gates.size(); ++g) counts[g] += gates[g](i, j, k);
+      for (int i = 0; i < grid.dims[0]; ++i, ++voxel) {
+        const Vec3 position = centre_of(grid, {i, j, k});
+        const double within_mm = cup.half_length_mm + beyond_mm - (position - cup.middle()).norm();
+        if (within_mm >= 0) places.push_back({voxel, position, within_mm});
       }
+  return places;
+}
+
+std::vector<double> counts_of(std::span<const Image> gates, const std::vector<Place>& places) {
+  std::vector<double> counts;
+  for (const Image& gate : gates) {
+    double sum = 0;
+    for (const Place& place : places) sum += gate.values[place.voxel];
+    counts.push_back(sum);
+  }
   return counts;
 }
 
@@ -149,37 +165,22 @@ std::vector<std::optional<Vec3>> middles_of_surfaces(const Result& result) {
   return middles;
 }
 
-/// Middle of each gate's counts above the background, around the heart. What stands still beside it shortens moves: to
-/// about a half behind a camera.
+/// Middle of each gate's counts above the background. What stands still beside the heart shortens moves: to about a
+/// half behind a camera.
 std::vector<std::optional<Vec3>> middles_of_counts(std::span<const Image> gates, const Image& mean,
-                                                   const heart::LvShell& cup) {
-  constexpr double beyond_mm = 15, fades_mm = 10, background_share = 0.3;
-  struct Place {
-    std::size_t voxel;
-    Vec3 position;
-    double weight;
-  };
-  std::vector<Place> places;
-  std::vector<double> values;
-  const Grid& grid = mean.grid;
-  std::size_t voxel = 0;
-  for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i, ++voxel) {
-        const Vec3 position = centre_of(grid, {i, j, k});
-        const double within = cup.half_length_mm + beyond_mm - (position - cup.middle()).norm();
-        if (within <= 0) continue;
-        places.push_back({voxel, position, std::min(1.0, within / fades_mm)});
-        values.push_back(mean.values[voxel]);
-      }
+                                                   const std::vector<Place>& places) {
+  constexpr double fades_mm = 10, background_share = 0.3;
   std::vector<std::optional<Vec3>> middles(gates.size());
   if (places.empty()) return middles;
+  std::vector<double> values;
+  for (const Place& place : places) values.push_back(mean.values[place.voxel]);
   const double background = quantile(values, background_share);
   for (std::size_t g = 0; g < gates.size(); ++g) {
     double sum = 0;
     Vec3 moment = Vec3::Zero();
     for (const Place& place : places) {
-      const double counts = place.weight * std::max(0.0, gates[g].values[place.voxel] - background);
+      const double weight = std::min(1.0, place.within_mm / fades_mm);
+      const double counts = weight * std::max(0.0, gates[g].values[place.voxel] - background);
       sum += counts;
       moment += counts * place.position;
     }
@@ -197,12 +198,13 @@ void look_at_image(const Result& result, const heart::LvShell& world, QualityMet
     clues.noise = noise_of_wall(result.study.gates, cup);
   }
   if (result.study.gates.size() < 2) return;
-  const std::vector<double> counts = counts_of(result.study.gates, cup);
+  const std::vector<Place> places = places_around(mean.grid, cup);
+  const std::vector<double> counts = counts_of(result.study.gates, places);
   const double usual = quantile(counts, 0.5);
   if (!(usual > 0)) return;
   clues.least_counts = *std::min_element(counts.begin(), counts.end()) / usual;
   clues.most_counts = *std::max_element(counts.begin(), counts.end()) / usual;
-  clues.counts_move_mm = largest_move(middles_of_counts(result.study.gates, mean, cup), cup);
+  clues.counts_move_mm = largest_move(middles_of_counts(result.study.gates, mean, places), cup);
 }
 
 void look_at_surfaces(const Result& result, const heart::LvShell& cup, QualityMetrics& clues) {
