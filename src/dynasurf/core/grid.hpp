@@ -34,6 +34,11 @@ constexpr Index3 voxel_in(const Index3& dims, std::size_t index) {
   return {static_cast<int>(index % dims[0]), static_cast<int>(row % dims[1]), static_cast<int>(row / dims[1])};
 }
 
+/// A box of voxels within a larger one.
+struct VoxelBox {
+  Index3 first{0, 0, 0}, count{0, 0, 0};
+};
+
 /// A lattice of voxels placed in the patient (VOL-WORLD, thesis 2.1).
 ///
 /// Two frames are in use. The *world* is DICOM's LPS in mm. The *grid frame* is mm along the grid's own axes with

@@ -21,24 +21,13 @@ using Linear = std::array<double, 4>;           // coefficients of 1, left, back
 constexpr Linear usual_plain{0, 0.385, -0.256, 0.026}, usual_cosine{0.156, -0.200, -0.332, -0.186},
     usual_sine{0.201, 0.100, -0.465, -0.100};
 
-/// Coefficients of the three parts of a term.
-struct Term {
-  Linear plain{}, cosine{}, sine{};
-};
-std::vector<Term> terms_of() {
-  std::vector<Term> terms{{usual_plain, usual_cosine, usual_sine}};
-  for (Linear Term::*part : {&Term::plain, &Term::cosine, &Term::sine})
-    for (std::size_t n = part == &Term::plain ? 1 : 0; n < 4; ++n) {
-      terms.emplace_back();
-      (terms.back().*part)[n] = 1;
-    }
-  return terms;
-}
+/// The usual attenuation, then each coefficient alone: three of the plain part, four each of the others.
+constexpr std::size_t terms = 12;
 
 /// The fit's pixels and some more around them, as far as the study reaches, within a box whose sides are powers of 2.
 struct Surroundings {
   Pixels pixels;
-  Index3 before{0, 0, 0};  // pixels added before the fit's own
+  Index3 before{0, 0, 0}, own_count{0, 0, 0};  // pixels added before the fit's own, and those
   Index3 size{1, 1, 1};
   std::array<FourierTable, 3> tables;
   std::vector<Vec3> place;           // patient's axes, from the heart's centre, over the unit
@@ -56,11 +45,22 @@ struct Surroundings {
         for (int i = 0; i < pixels.count[0]; ++i, ++n) at(n, row + i);
       }
   }
+  /// The same for the fit's own pixels, in their order.
+  template <class F>
+  void for_own(const F& at) const {
+    for (int k = 0; k < own_count[2]; ++k)
+      for (int j = 0; j < own_count[1]; ++j)
+        for (int i = 0; i < own_count[0]; ++i) {
+          const Index3 pixel{i + before[0], j + before[1], k + before[2]};
+          at(index_in(pixels.count, pixel), index_in(size, pixel));
+        }
+  }
 };
 
 Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const HeartFrame& frame) {
   Surroundings s;
   s.pixels = pixels;
+  s.own_count = pixels.count;
   std::array<std::vector<double>, 3> fade;
   for (int a = 0; a < 3; ++a) {
     const int joined = pixels.joined[a], inside = pixels.count[a];
@@ -112,21 +112,16 @@ std::vector<Complex> images_of(const Surroundings& s, const std::vector<float>& 
   return values;
 }
 
-double at_place(const Linear& p, const Vec3& place) {
-  return p[0] + p[1] * place[0] + p[2] * place[1] + p[3] * place[2];
-}
-
-bool is_zero(const Linear& p) { return p == Linear{}; }
+/// What a coefficient of a linear function of the place counts by: 1, left, back, head.
+double coordinate(const Vec3& place, std::size_t part) { return part == 0 ? 1 : place[part - 1]; }
 
 /// The spectra of the images, and of the images times each coordinate of the place.
 std::array<std::vector<Complex>, 4> spectra_of(const Surroundings& s, const std::vector<Complex>& images) {
   std::array<std::vector<Complex>, 4> spectra;
   for (std::size_t part = 0; part < spectra.size(); ++part) {
-    Linear one{};
-    one[part] = 1;
     spectra[part].resize(s.values());
     s.for_all([&](std::size_t n, std::size_t at) {
-      const double w = at_place(one, s.place[n]);
+      const double w = coordinate(s.place[n], part);
       spectra[part][at] = {w * images[n].re, w * images[n].im};
     });
     transform_box(s.tables, spectra[part], -1);
@@ -134,29 +129,13 @@ std::array<std::vector<Complex>, 4> spectra_of(const Surroundings& s, const std:
   return spectra;
 }
 
-/// What a term adds to two gates, on all pixels of the surroundings.
-std::vector<Complex> added_by(const Term& term, const Surroundings& s, const std::vector<Complex>& images,
-                              const std::array<std::vector<Complex>, 4>& spectra) {
-  std::vector<Complex> added(images.size());
-  if (!is_zero(term.cosine) || !is_zero(term.sine)) {
-    std::vector<Complex> spectrum(s.values());
-    for (std::size_t part = 0; part < spectra.size(); ++part) {
-      const double by_cosine = term.cosine[part], by_sine = term.sine[part];
-      if (by_cosine == 0 && by_sine == 0) continue;
-      for (std::size_t n = 0; n < spectrum.size(); ++n) {
-        const double factor = by_cosine * s.cosine[n] + by_sine * s.sine[n];
-        spectrum[n].re += factor * spectra[part][n].re;
-        spectrum[n].im += factor * spectra[part][n].im;
-      }
-    }
-    transform_box(s.tables, spectrum, 1);
-    s.for_all([&](std::size_t n, std::size_t at) { added[n] = spectrum[at]; });
-  }
-  for (std::size_t n = 0; n < added.size(); ++n) {
-    const double w = at_place(term.plain, s.place[n]);
-    added[n].re += w * images[n].re, added[n].im += w * images[n].im;
-  }
-  return added;
+/// A filtered image of two gates, right at the fit's own pixels alone.
+std::vector<Complex> filtered(const Surroundings& s, const std::vector<double>& filter,
+                              const std::vector<Complex>& spectrum) {
+  std::vector<Complex> box(spectrum.size());
+  for (std::size_t n = 0; n < box.size(); ++n) box[n] = {filter[n] * spectrum[n].re, filter[n] * spectrum[n].im};
+  transform_box(s.tables, box, 1, {s.before, s.own_count});
+  return box;
 }
 
 }  // namespace
@@ -178,38 +157,52 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
                                                                 const std::vector<std::vector<float>>& model,
                                                                 const std::vector<float>& weight) {
   const Surroundings s = surroundings_of(study.grid(), pixels, frame);
-  const std::vector<Term> terms = terms_of();
   const std::size_t gates = study.gates.size();
-  const std::size_t row = s.pixels.count[0], plane = row * s.pixels.count[1];
-  const auto in_box = [&](int i, int j, int k) {
-    return (i + s.before[0]) + row * (j + s.before[1]) + plane * (k + s.before[2]);
-  };
-  const auto for_own_pixels = [&](const auto& visit) {
-    for (int k = 0; k < pixels.count[2]; ++k)
-      for (int j = 0; j < pixels.count[1]; ++j)
-        for (int i = 0; i < pixels.count[0]; ++i) visit(index_in(pixels.count, {i, j, k}), in_box(i, j, k));
-  };
   const auto image_of = [&](std::size_t g) {
     std::vector<float> values = join(study.gates[g], s.pixels);
     for (float& v : values) v = std::isfinite(v) ? v / unit : 0;
-    for_own_pixels([&](std::size_t own, std::size_t at) {
+    std::size_t own = 0;
+    s.for_own([&](std::size_t at, std::size_t) {
       if (weight[own] > 0) values[at] = model[g][own];
+      ++own;
     });
     return values;
   };
   std::vector<std::vector<std::vector<float>>> images(
-      terms.size(), std::vector<std::vector<float>>(gates, std::vector<float>(pixels.size())));
+      terms, std::vector<std::vector<float>>(gates, std::vector<float>(pixels.size())));
   parallel_for((gates + 1) / 2, 1, [&](std::size_t pair, std::size_t) {
     const std::size_t first = 2 * pair, second = std::min(first + 1, gates - 1);
     const std::vector<Complex> both = images_of(s, image_of(first), image_of(second));
     const auto spectra = spectra_of(s, both);
-    for (std::size_t t = 0; t < terms.size(); ++t) {
-      const std::vector<Complex> added = added_by(terms[t], s, both, spectra);
-      for_own_pixels([&](std::size_t own, std::size_t at) {
-        images[t][first][own] = added[at].re;
-        if (second != first) images[t][second][own] = added[at].im;
+    std::vector<Complex> usual(pixels.size());
+    const auto put = [&](std::size_t term, std::size_t own, const Complex& value) {
+      images[term][first][own] = value.re;
+      if (second != first) images[term][second][own] = value.im;
+    };
+    std::size_t term = 0;
+    /// at(place among the pixels, place in the box) is what a coefficient of 1 adds.
+    const auto add_term = [&](double usual_coefficient, const auto& at) {
+      ++term;
+      std::size_t own = 0;
+      s.for_own([&](std::size_t pixel, std::size_t in_box) {
+        const Complex added = at(pixel, in_box);
+        put(term, own, added);
+        usual[own].re += usual_coefficient * added.re, usual[own].im += usual_coefficient * added.im;
+        ++own;
       });
-    }
+    };
+    for (std::size_t part = 1; part < usual_plain.size(); ++part)
+      add_term(usual_plain[part], [&](std::size_t pixel, std::size_t) {
+        const double w = coordinate(s.place[pixel], part);
+        return Complex{w * both[pixel].re, w * both[pixel].im};
+      });
+    for (const bool is_cosine : {true, false})
+      for (std::size_t part = 0; part < spectra.size(); ++part) {
+        const std::vector<Complex> box = filtered(s, is_cosine ? s.cosine : s.sine, spectra[part]);
+        add_term((is_cosine ? usual_cosine : usual_sine)[part],
+                 [&](std::size_t, std::size_t in_box) { return box[in_box]; });
+      }
+    for (std::size_t own = 0; own < usual.size(); ++own) put(0, own, usual[own]);
   });
   return images;
 }

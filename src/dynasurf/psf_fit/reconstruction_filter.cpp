@@ -199,7 +199,7 @@ Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filte
         for (const int i : source[0]) values[at++] = {study.gates[first](i, j, k), study.gates[second](i, j, k)};
     transform_box(tables, values, -1);
     for (std::size_t n = 0; n < values.size(); ++n) values[n].re *= factor[n], values[n].im *= factor[n];
-    transform_box(tables, values, 1);
+    transform_box(tables, values, 1, {{0, 0, 0}, box.count});
     for (int k = 0; k < box.count[2]; ++k)
       for (int j = 0; j < box.count[1]; ++j)
         for (int i = 0; i < box.count[0]; ++i) {

@@ -2,6 +2,8 @@
 #include <span>
 #include <vector>
 
+#include "dynasurf/core/grid.hpp"
+
 namespace dynasurf {
 
 /// A complex number of plain arithmetic, without the special cases of std::complex.
@@ -23,5 +25,7 @@ void transform(const FourierTable& table, std::span<Complex> line, int sign);
 
 /// The same along all axes of a box, first axis fastest; a table per axis.
 void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> box, int sign);
+/// The same where only the values of `part` are asked for: the others are of no meaning afterwards.
+void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> box, int sign, const VoxelBox& part);
 
 }  // namespace dynasurf

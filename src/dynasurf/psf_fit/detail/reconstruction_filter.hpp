@@ -23,11 +23,6 @@ std::optional<ReconstructionFilter> filter_in_noise(const Study& study);
 /// a half.
 double gaussian_in_place_of(const ReconstructionFilter& filter);
 
-/// Voxels [first, first + count) of a study.
-struct VoxelBox {
-  Index3 first{0, 0, 0}, count{0, 0, 0};
-};
-
 /// The study as if it had been reconstructed with a Gaussian filter of this deviation, within the box; its values are
 /// continued beyond the box by those at its rim.
 Study with_gaussian_filter(const Study& study, const ReconstructionFilter& filter, double sigma_mm,
