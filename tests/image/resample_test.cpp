@@ -1,8 +1,11 @@
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/image/detail/linear_sampler.hpp"
 #include "dynasurf/image/intensity.hpp"
 
 namespace dynasurf::image {
@@ -31,6 +34,36 @@ TEST(SampleLinear, IsExactForLinearImagesAndConstantOutside) {
     EXPECT_NEAR(sample_linear(image, p), value(p), 1e-5);
   EXPECT_NEAR(sample_linear(image, {-5, 0, 0}), value({0, 0, 0}), 1e-5);
   EXPECT_NEAR(sample_linear(image, {99, 99, 99}), value({16, 21, 24}), 1e-5);
+}
+
+TEST(SampleLinear, GivesManyPointsTheValuesOfEach) {
+  const Image image = filled(small_grid(), [](const Vec3& p) { return std::sin(p[0]) + std::cos(3 * p[1] * p[2]); });
+  SampledPoints<37> points;
+  std::vector<Vec3> each;
+  for (int n = 0; n < 37; ++n) {
+    each.emplace_back(0.7 * n - 4, 29 - 0.9 * n, 0.6 * n);  // some beside the image
+    points.add(each.back());
+  }
+  const LinearSampler sample(image);
+  std::array<double, 37> values{};
+  sample(points, values.data());
+  for (std::size_t n = 0; n < values.size(); ++n) EXPECT_EQ(values[n], sample_linear(image, each[n])) << n;
+}
+
+TEST(SampleCubic, RepeatsTheOutermostVoxels) {
+  Grid grid;
+  grid.dims = {5, 6, 7};
+  const Image image = filled(grid, [](const Vec3& p) { return std::sin(p[0]) + std::cos(3 * p[1] * p[2]); });
+  Grid wider;
+  wider.dims = {11, 12, 13};
+  const Image padded = filled(wider, [&](const Vec3& p) {
+    return image.clamped(static_cast<int>(p[0]) - 3, static_cast<int>(p[1]) - 3, static_cast<int>(p[2]) - 3);
+  });
+  for (double z = 0; z <= 6; z += 0.75)
+    for (double y = 0; y <= 5; y += 0.625)
+      for (double x = 0; x <= 4; x += 0.5)
+        ASSERT_EQ(sample_cubic(image, {x, y, z}), sample_cubic(padded, {x + 3, y + 3, z + 3}))
+            << x << ' ' << y << ' ' << z;
 }
 
 TEST(SampleCubic, IsExactForParabolas) {

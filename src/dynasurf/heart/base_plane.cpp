@@ -1,6 +1,7 @@
 #include "dynasurf/heart/base_plane.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -33,6 +34,7 @@ double wall_radius(const LvShell& cup, double z) {
 Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double low, double high) {
   Meridian m{out, low, {}, false};
   constexpr double reach_mm = 7;
+  constexpr std::size_t across = 9;
   const image::LinearSampler value(image);
   for (double z = low; z <= high; z += step_mm) {
     const double r = wall_radius(cup, z);
@@ -42,10 +44,12 @@ Meridian walk(const Image& image, const LvShell& cup, const Vec3& out, double lo
       m.is_cut = true;
       break;
     }
-    double brightest = 0;
-    for (double s = -reach_mm; s <= reach_mm; s += 1.75)
-      brightest = std::max(brightest, value(middle + std::max(0.0, r + s) * out));
-    m.brightness.push_back(brightest);
+    image::SampledPoints<across> points;
+    for (std::size_t n = 0; n < across; ++n)
+      points.add(middle + std::max(0.0, r + n * (2 * reach_mm / (across - 1)) - reach_mm) * out);
+    std::array<double, across> values;
+    value(points, values.data());
+    m.brightness.push_back(std::max(0.0, *std::max_element(values.begin(), values.end())));
   }
   return m;
 }

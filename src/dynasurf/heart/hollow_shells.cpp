@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/rounding.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::heart {
@@ -75,6 +76,7 @@ std::vector<Comparison> sorting_network() {
 
 /// Contrast of the shells around the voxels from `first` on in their middling directions: the best ones may be a hot
 /// neighbour, the worst ones are the open base and defects.
+DYNASURF_CLONES
 Lanes worth_of(const float* first, const Shell& shell, const std::vector<Comparison>& network) {
   constexpr std::size_t worst = 9, best = 4;
   std::array<Lanes, directions> contrast;
@@ -85,12 +87,11 @@ Lanes worth_of(const float* first, const Shell& shell, const std::vector<Compari
       contrast[d][l] = first[wall + l] - 0.75 * std::max(inside, outside) - 0.25 * std::min(inside, outside);
     }
   }
-  for (const auto& [low, high] : network)
-    for (int l = 0; l < lanes; ++l) {
-      const double a = contrast[low][l], b = contrast[high][l];
-      contrast[low][l] = std::min(a, b);
-      contrast[high][l] = std::max(a, b);
-    }
+  for (const auto& [low, high] : network) {
+    const Lanes a = contrast[low], b = contrast[high];
+    for (int l = 0; l < lanes; ++l) contrast[low][l] = std::min(a[l], b[l]);
+    for (int l = 0; l < lanes; ++l) contrast[high][l] = std::max(a[l], b[l]);
+  }
   Lanes sum{};
   for (std::size_t d = worst; d < directions - best; ++d)
     for (int l = 0; l < lanes; ++l) sum[l] += contrast[d][l];

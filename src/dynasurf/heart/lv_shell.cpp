@@ -115,39 +115,47 @@ LvShell to_grid(const Grid& grid, LvShell cup) {
 CupScore score(const Image& image, const LvShell& cup) {
   constexpr int rows = 5, around = 12;
   static const std::array<Turn, around> turns = turns_around<around>();
-  const image::LinearSampler value(image);
+  constexpr std::size_t points = rows * around + 1, over_base = around + 1;
   const ShellBasis a = across(cup.axis);
   const double top = base_angle(cup);
-  std::array<double, rows * around + 1> wall{}, side{};
-  std::size_t n = 0;
   std::array<Vec3, around> sides;  // the same for every row: worked out once
   for (int d = 0; d < around; ++d) sides[d] = outwards(a, turns[d]);
   const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
+  image::SampledPoints<3 * points + over_base> at;  // inside, outside and in the wall, in turn, then over the base
   const auto look = [&](const Row& row, const Vec3& out) {
-    const ShellPoint at = on_cup(cup, out, row);
-    const double in = value(at.position - inwards * at.normal);
-    const double outside = value(at.position + side_mm * at.normal);
-    wall[n] = value(at.position);
-    side[n++] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
+    const ShellPoint middle = on_cup(cup, out, row);
+    at.add(middle.position - inwards * middle.normal);
+    at.add(middle.position + side_mm * middle.normal);
+    at.add(middle.position);
   };
   look(row_at(0), sides[0]);
   for (int r = 1; r <= rows; ++r) {
     const Row row = row_at(top * (r - 0.25) / rows);
     for (const Vec3& out : sides) look(row, out);
   }
+  at.add(cup.base() + 8 * cup.axis);
+  const Row rim = row_at(std::min(top, 2.6));
+  for (const Vec3& out : sides) at.add(on_cup(cup, out, rim).position + 14 * cup.axis);
+  std::array<double, 3 * points + over_base> value;
+  image::LinearSampler{image}(at, value.data());
 
+  std::array<double, points> wall, side;
+  for (std::size_t n = 0; n < points; ++n) {
+    const double in = value[3 * n], outside = value[3 * n + 1];
+    wall[n] = value[3 * n + 2];
+    side[n] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
+  }
   CupScore result;
   result.brightness = upper_median(std::vector<double>(wall.begin(), wall.end()));
   const double most = 1.15 * result.brightness;
   double sum = 0;
-  for (std::size_t p = 0; p < n; ++p) sum += std::clamp(std::min(wall[p], most) - side[p], -0.5 * most, most);
-  result.contrast = sum / n;
+  for (std::size_t n = 0; n < points; ++n) sum += std::clamp(std::min(wall[n], most) - side[n], -0.5 * most, most);
+  result.contrast = sum / points;
 
   // Over the base there is no wall: neither where it would go on nor in the middle.
-  double over = value(cup.base() + 8 * cup.axis);
-  const Row rim = row_at(std::min(top, 2.6));
-  for (const Vec3& out : sides) over += value(on_cup(cup, out, rim).position + 14 * cup.axis);
-  const double open = result.brightness - std::min(over / (around + 1), most);
+  double over = 0;
+  for (std::size_t n = 3 * points; n < value.size(); ++n) over += value[n];
+  const double open = result.brightness - std::min(over / over_base, most);
   result.contrast = 0.75 * result.contrast + 0.25 * open;
   return result;
 }
@@ -201,7 +209,8 @@ double share_outside(const Grid& grid, const LvShell& cup) {
 
 std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int rows, int around, double reach_mm) {
   constexpr double step_mm = 1;
-  const int steps = floor_int(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm);
+  constexpr int most_steps = 0.95 * most_radius_mm / step_mm;
+  const int steps = std::min(most_steps, floor_int(std::min(reach_mm, 0.95 * cup.radius_mm) / step_mm));
   const image::LinearSampler value(image);
   const ShellBasis a = across(cup.axis);
   const double top = base_angle(cup);
@@ -209,7 +218,9 @@ std::vector<RidgePoint> find_ridge(const Image& image, const LvShell& cup, int r
   std::vector<double> profile(2 * steps + 1);
   const auto look = [&](double theta, double phi) {
     const ShellPoint at = on_cup(cup, outwards(a, turn_by(phi)), row_at(theta));
-    for (int s = -steps; s <= steps; ++s) profile[s + steps] = value(at.position + s * step_mm * at.normal);
+    image::SampledPoints<2 * most_steps + 1> places;
+    for (int s = -steps; s <= steps; ++s) places.add(at.position + s * step_mm * at.normal);
+    value(places, profile.data());
     int best = -1;
     double worth = 0;
     for (int s = 1; s < 2 * steps; ++s) {

@@ -1,6 +1,9 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/detail/gaussian.hpp"
 #include "dynasurf/image/detail/linear_sampler.hpp"
@@ -27,19 +30,37 @@ bool holds(const Grid& grid, const Vec3& mm) {
 
 double sample_linear(const Image& image, const Vec3& mm) { return LinearSampler(image)(mm); }
 
+DYNASURF_CLONES
+void LinearSampler::operator()(const double* x, const double* y, const double* z, std::size_t count, double* to) const {
+  const LinearSampler own = *this;  // on the stack, where no store reaches it
+  if (size_ <= std::numeric_limits<std::int32_t>::max())
+    for (std::size_t n = 0; n < count; ++n) to[n] = own.at<std::int32_t>(x[n], y[n], z[n]);
+  else
+    for (std::size_t n = 0; n < count; ++n) to[n] = own.at<Index>(x[n], y[n], z[n]);
+}
+
 double sample_cubic(const Image& image, const Vec3& mm) {
   const Grid& g = image.grid;
   const PlaceOnAxis x = place_on(sampled_axis(g, 0), mm[0]), y = place_on(sampled_axis(g, 1), mm[1]),
                     z = place_on(sampled_axis(g, 2), mm[2]);
   const auto wx = cubic_weights(x.share), wy = cubic_weights(y.share), wz = cubic_weights(z.share);
-  double sum = 0;
-  for (int k = 0; k < 4; ++k)
-    for (int j = 0; j < 4; ++j) {
-      double row = 0;
-      for (int i = 0; i < 4; ++i) row += wx[i] * image.clamped(x.low - 1 + i, y.low - 1 + j, z.low - 1 + k);
-      sum += wz[k] * wy[j] * row;
-    }
-  return sum;
+  const auto sum_of = [&](const auto& voxel) {
+    double sum = 0;
+    for (int k = 0; k < 4; ++k)
+      for (int j = 0; j < 4; ++j) {
+        double row = 0;
+        for (int i = 0; i < 4; ++i) row += wx[i] * voxel(i, j, k);
+        sum += wz[k] * wy[j] * row;
+      }
+    return sum;
+  };
+  const Index3 first{x.low - 1, y.low - 1, z.low - 1};
+  if (g.contains(first[0], first[1], first[2]) && g.contains(first[0] + 3, first[1] + 3, first[2] + 3)) {
+    const float* const values = &image.values[index_in(g.dims, first)];
+    const std::size_t width = g.dims[0], slice = g.slice_size();
+    return sum_of([&](int i, int j, int k) { return values[i + j * width + k * slice]; });
+  }
+  return sum_of([&](int i, int j, int k) { return image.clamped(first[0] + i, first[1] + j, first[2] + k); });
 }
 
 Image resample(const Image& image, const Grid& grid) {
