@@ -1,10 +1,12 @@
 #include "dynasurf/mesh/detail/border_distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
+#include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/measures.hpp"
 #include "dynasurf/mesh/shapes.hpp"
 
@@ -94,34 +96,29 @@ std::vector<double> signed_distances_to_border_voxels(const TriMesh& mesh, const
 }
 
 double share_of_border_reached(const TriMesh& mesh, const Image& border, double reach_voxels) {
-  constexpr double samples_per_voxel = 3;  // along the edges of a triangle: misses a reach by a few hundredths
-  constexpr double most_samples = 3000;    // along an edge: only triangles larger than any grid are sampled coarser
   const Grid& g = border.grid;
   const auto inside = [&](double at, int a) { return whole_within(at, g.dims[a]); };
   std::vector<std::uint8_t> reached(border.values.size(), 0);
-  const auto reach_from = [&](const Vec3& p) {  // in voxels
+  const double reach2 = square(reach_voxels);
+  for (const auto& t : mesh.triangles) {
+    std::array<Vec3, 3> corner;  // in voxels
+    for (std::size_t c = 0; c < 3; ++c) corner[c] = mesh.vertices[t[c]].cwiseQuotient(g.spacing);
+    const Vec3 least = corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]).array() - reach_voxels;
+    const Vec3 most = corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]).array() + reach_voxels;
+    bool is_near = true;
     Index3 low, high;
     for (int a = 0; a < 3; ++a) {
-      low[a] = inside(std::ceil(p[a] - reach_voxels), a);
-      high[a] = inside(std::floor(p[a] + reach_voxels), a);
+      is_near = is_near && most[a] > 0 && least[a] < g.dims[a] - 1;
+      low[a] = inside(std::ceil(least[a]), a), high[a] = inside(std::floor(most[a]), a);
     }
+    if (!is_near) continue;
     for (int k = low[2]; k <= high[2]; ++k)
       for (int j = low[1]; j <= high[1]; ++j)
-        for (int i = low[0]; i <= high[0]; ++i)
-          if ((p - Vec3(i, j, k)).squaredNorm() < square(reach_voxels)) reached[g.index(i, j, k)] = 1;
-  };
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[t[0]].cwiseQuotient(g.spacing);
-    const Vec3 u = mesh.vertices[t[1]].cwiseQuotient(g.spacing) - a,
-               v = mesh.vertices[t[2]].cwiseQuotient(g.spacing) - a;
-    const Vec3 low = a.cwiseMin(a + u).cwiseMin(a + v), high = a.cwiseMax(a + u).cwiseMax(a + v);
-    bool is_near = true;
-    for (int n = 0; n < 3; ++n) is_near = is_near && high[n] > -reach_voxels && low[n] < g.dims[n] - 1 + reach_voxels;
-    if (!is_near) continue;
-    const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()}));
-    const int n = std::clamp(std::ceil(samples_per_voxel * longest), 1.0, most_samples);
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; i + j <= n; ++j) reach_from(a + (i * u + j * v) / n);
+        for (int i = low[0]; i <= high[0]; ++i) {
+          const std::size_t at = g.index(i, j, k);
+          if (border.values[at] == 0 || reached[at] != 0) continue;
+          if (closest_on_triangle(Vec3(i, j, k), corner[0], corner[1], corner[2]).distance2 < reach2) reached[at] = 1;
+        }
   }
   std::size_t all = 0, near = 0;
   for (std::size_t v = 0; v < reached.size(); ++v)
