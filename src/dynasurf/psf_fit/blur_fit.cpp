@@ -188,10 +188,12 @@ void relax_priors(Fitting& fit, double share) {
   problem.thickness.log_sd = share * fit.thickness.log_sd;
   for (const BeatLayout::Term& t : problem.layout.terms[0][problem.layout.gate.width])
     problem.layout.spread[t.unknown] = (fit.is_width_known ? 1 : share) * fit.beliefs.width;
-  // Before the last round a matrix of every other pixel is good enough for the steps, and serves the next round too.
+  // Derivatives of a blurred image are so smooth that every other pixel tells what all do. Those of a sharp one are
+  // good enough for the steps; its error bars ask for all pixels. Before the last round a matrix serves the next one
+  // too.
   const bool is_last = share >= 1;
   const bool is_kept = !is_last && solution.matrix.data.rows() == solution.unknowns.size();
-  solution.every = is_last ? 1 : 2;
+  solution.every = is_last && problem.sigma_mm <= 0 ? 1 : 2;
   solution.matrix.priors = is_kept ? prior_matrix(problem, solution.unknowns, solution.objective) : Eigen::MatrixXd();
   solution.damping = share > tightest ? 10 : 300;
 }
