@@ -24,12 +24,23 @@ float largest_value(const Study& study) {
   return largest;
 }
 
+/// What `bytes_of(gate)` makes of all gates, one after the other.
+template <class BytesOf>
+Bytes bytes_of_gates(std::size_t gates, const BytesOf& bytes_of) {
+  std::vector<Bytes> each(gates);
+  parallel_for(gates, 1, [&](std::size_t g, std::size_t) { each[g] = bytes_of(g); });
+  Bytes all;
+  for (const Bytes& bytes : each) all.insert(all.end(), bytes.begin(), bytes.end());
+  return all;
+}
+
 /// All gates as bytes, 255 the largest value of the study; negative values are black.
 Bytes image_bytes(const Study& study, int bin) {
   const float largest = largest_value(study);
   const double scale = largest > 0 ? 255.0 / largest : 0;
-  Bytes bytes;
-  for (const Image& gate : study.gates)
+  return bytes_of_gates(study.gates.size(), [&](std::size_t g) {
+    const Image& gate = study.gates[g];
+    Bytes bytes;
     for_each_bin(gate.grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
       double sum = 0;
       for (int j = j0; j < j1; ++j)
@@ -40,7 +51,8 @@ Bytes image_bytes(const Study& study, int bin) {
       const double mean = sum / ((i1 - i0) * (j1 - j0)) * scale;
       bytes.push_back(byte_of(mean));
     });
-  return bytes;
+    return bytes;
+  });
 }
 
 Json circle_json(const ventricle::Circle& circle) {
@@ -57,16 +69,6 @@ Json marks_json(const ventricle::Gate& gate) {
           {"division_slice", gate.labels.division_slice},
           {"base_slice", gate.base_slice},
           {"local", std::move(local)}};
-}
-
-/// Of all gates, one after the other.
-Bytes marks_of_gates(const ventricle::Result& result, int bin) {
-  Bytes all;
-  for (const ventricle::Gate& gate : result.gates) {
-    const Bytes bytes = mark_bytes(result.study.grid(), gate.labels.borders, gate.edges, bin);
-    all.insert(all.end(), bytes.begin(), bytes.end());
-  }
-  return all;
 }
 
 }  // namespace
@@ -129,7 +131,9 @@ Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
     if (task == 0)
       pixels = packed(image_bytes(study, bin));
     else
-      drawn = packed(marks_of_gates(result, bin));
+      drawn = packed(bytes_of_gates(result.gates.size(), [&](std::size_t g) {
+        return mark_bytes(study.grid(), result.gates[g].labels.borders, result.gates[g].edges, bin);
+      }));
   });
   json["pixels"] = std::move(pixels);
   json["marked_gates"] = result.gates.size();
