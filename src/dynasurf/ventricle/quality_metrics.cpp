@@ -173,6 +173,7 @@ std::vector<std::optional<Vec3>> middles_of_counts(std::span<const Image> gates,
   std::vector<std::optional<Vec3>> middles(gates.size());
   if (places.empty()) return middles;
   std::vector<double> values;
+  values.reserve(places.size());
   for (const Place& place : places) values.push_back(mean.values[place.voxel]);
   const double background = quantile(values, background_share);
   for (std::size_t g = 0; g < gates.size(); ++g) {
