@@ -46,7 +46,7 @@ link=()
 sources() {
   local module
   for module in core image field mesh synthetic dynamics heart psf_fit ventricle organ cloud; do
-    find "$root/src/dynasurf/$module" -name '*.cpp' ! -name parallel_tbb.cpp | sort
+    find "$root/src/dynasurf/$module" -name '*.cpp' ! -name parallel_tbb.cpp ! -name parallel_workers.cpp | sort
   done
   echo "$root/tests/robustness/bytes_probe.cpp"
 }
@@ -76,23 +76,33 @@ compare_here() {
   if command -v qemu-x86_64 >/dev/null; then compare "$1, SSE2 alone (qemu)" qemu-x86_64 -cpu qemu64 "$work/$1/probe"; fi
 }
 
+# build_and TABLE NAME COMPILER-AND-FLAGS...: one that does not compile is told too
+build_and() {
+  local table=$1 name=$2
+  if build "${@:2}"; then
+    $table "$name"
+  else
+    printf '%-40s does not compile\n' "$name"
+    failures=1
+  fi
+}
+compare_plain() { compare "$1" "$work/$1/probe"; }
+compare_arm() { compare "$1 (qemu)" qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/$1/probe"; }
+
 for name in "${wanted[@]}"; do
   case $name in
-    gcc) build "$name" g++ -O3 && compare_here "$name" ;;
-    gcc-plain) build "$name" g++ -O0 && compare "$name" "$work/$name/probe" ;;
-    clang) build "$name" clang++ -O2 && compare_here "$name" ;;
+    gcc) build_and compare_here "$name" g++ -O3 ;;
+    gcc-plain) build_and compare_plain "$name" g++ -O0 ;;
+    clang) build_and compare_here "$name" clang++ -O2 ;;
     libc++)
       # The reader of numbers that libc++ has not before LLVM 20 is the page's.
       mkdir -p "$work/charconv"
       cp "$root/cmake/wasi/include/c++/charconv" "$work/charconv/"
       link=("$root/cmake/wasi/charconv.cpp")
-      build "$name" clang++-19 -stdlib=libc++ -fexperimental-library "-I$work/charconv" -O1 && compare_here "$name"
+      build_and compare_here "$name" clang++-19 -stdlib=libc++ -fexperimental-library "-I$work/charconv" -O1
       link=()
       ;;
-    arm)
-      build "$name" aarch64-linux-gnu-g++ -O2
-      compare "$name (qemu)" qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/$name/probe"
-      ;;
+    arm) build_and compare_arm "$name" aarch64-linux-gnu-g++ -O2 ;;
     *) echo "compare_bytes.sh: unknown build '$name'; expected clang, libc++, arm, gcc, gcc-plain" >&2; exit 1 ;;
   esac
 done
