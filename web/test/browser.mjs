@@ -15,6 +15,8 @@ const candidates = {
   firefox: [process.env.FIREFOX, "/usr/bin/firefox-esr", "/usr/bin/firefox"],
 };
 assert.ok(browser in candidates, `DYNASURF_BROWSER is ${browser}; expected ${Object.keys(candidates).join(" or ")}`);
+/** Whether tests can speak with the browser as its developer tools do. */
+export const has_devtools = browser === "chromium";
 const program = candidates[browser].find((path) => path && existsSync(path));
 const screen_server = "/usr/bin/Xvfb";
 
