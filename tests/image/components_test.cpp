@@ -35,6 +35,20 @@ TEST(Components, HoldEveryPixelOnce) {
   EXPECT_EQ(sum, static_cast<std::size_t>(std::count(m.values.begin(), m.values.end(), 1)));
 }
 
+TEST(Components, FindAPixelThatIsAloneWhereverItIs) {
+  Grid g;
+  g.dims = {7, 5, 2};
+  for (int j = 0; j < g.dims[1]; ++j)
+    for (int i = 0; i < g.dims[0]; ++i) {
+      Mask m(g);
+      m(i, j, 1) = 1;
+      EXPECT_TRUE(components_of_slice(m, 0).empty());
+      const auto found = components_of_slice(m, 1);
+      ASSERT_EQ(found.size(), 1U) << i << ' ' << j;
+      EXPECT_THAT(found[0].pixels, testing::ElementsAre(Pixel{i, j}));
+    }
+}
+
 TEST(Components, OfAnEmptySliceAreNone) { EXPECT_TRUE(components_of_slice(drawing({"...", "..."}), 0).empty()); }
 
 TEST(MeanOf, IsTheCentreOfThePixels) {

@@ -201,6 +201,7 @@ TEST(ShareOfBorderReached, CountsTheBorderThatHasASurfaceNearIt) {
   };
   EXPECT_EQ(share_of_border_reached(square_over(38, 38, 8), border), 1);
   EXPECT_EQ(share_of_border_reached(square_over(38, 38, 11.6), border), 1);
+  EXPECT_EQ(share_of_border_reached(square_over(38, 38, 11.98), border), 1);
   EXPECT_EQ(share_of_border_reached(square_over(38, 38, 12.1), border), 0);
   EXPECT_EQ(share_of_border_reached(square_over(18, 38, 8), border), 0.5);  // 0.0 to 9.0 voxels: ten of twenty
   EXPECT_EQ(share_of_border_reached(square_over(18, 18, 8), border), 0.25);

@@ -131,6 +131,17 @@ TEST(DataMatrix, OfSomePixelsStandsForThatOfAll) {
   for (Eigen::Index n = 0; n < unknowns.size(); ++n) EXPECT_NEAR(half(n, n) / all(n, n), 1, 0.3) << n;
 }
 
+TEST(DataMatrix, OfEveryOtherPixelIsThatOfAllOnceTheImageIsBlurred) {
+  Eigen::VectorXd unknowns;
+  BeatProblem problem = round_problem(unknowns);
+  problem.sigma_mm = 0.9 * problem.pixels.spacing[0];  // as pixels are joined
+  const Objective at = objective_value(problem, unknowns);
+  const Eigen::MatrixXd all = data_matrix(problem, unknowns, at, 1), half = data_matrix(problem, unknowns, at, 2);
+  double worst = 0;
+  for (Eigen::Index n = 0; n < unknowns.size(); ++n) worst = std::max(worst, std::abs(half(n, n) / all(n, n) - 1));
+  EXPECT_LT(worst, 0.02);
+}
+
 TEST(PriorMatrix, HoldsTheSpreadsOfThePriors) {
   Eigen::VectorXd unknowns;
   const BeatProblem problem = round_problem(unknowns);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/simd.hpp"

@@ -31,7 +31,7 @@ bool holds(const Grid& grid, const Vec3& mm) {
 double sample_linear(const Image& image, const Vec3& mm) { return LinearSampler(image)(mm); }
 
 DYNASURF_CLONES
-void LinearSampler::operator()(const double* x, const double* y, const double* z, std::size_t count, double* to) const {
+void LinearSampler::at_all(const double* x, const double* y, const double* z, std::size_t count, double* to) const {
   const LinearSampler own = *this;  // on the stack, where no store reaches it
   if (size_ <= std::numeric_limits<std::int32_t>::max())
     for (std::size_t n = 0; n < count; ++n) to[n] = own.at<std::int32_t>(x[n], y[n], z[n]);

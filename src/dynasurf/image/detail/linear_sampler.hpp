@@ -60,11 +60,12 @@ class LinearSampler {
   /// The values at many points, one after another in `to`, for any instruction set.
   template <std::size_t most>
   void operator()(const SampledPoints<most>& points, double* to) const {
-    (*this)(points.x.data(), points.y.data(), points.z.data(), points.count, to);
+    at_all(points.x.data(), points.y.data(), points.z.data(), points.count, to);
   }
-  void operator()(const double* x, const double* y, const double* z, std::size_t count, double* to) const;
 
  private:
+  void at_all(const double* x, const double* y, const double* z, std::size_t count, double* to) const;
+
   /// `Offset` holds the number of voxels: with a short one, loops over points become vectors.
   template <class Offset>
   double at(double x_mm, double y_mm, double z_mm) const {
