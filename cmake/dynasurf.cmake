@@ -4,6 +4,9 @@ add_library(dynasurf_flags INTERFACE)
 target_compile_options(dynasurf_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual)
 # Contraction to fused multiply-add would make results depend on the machine; the same bytes everywhere come first.
 target_compile_options(dynasurf_flags INTERFACE -ffp-contract=off)
+# Nothing looks at errno or at exceptions of floating point. Without them no value changes, and loops of roots, roundings
+# and choices become vectors.
+target_compile_options(dynasurf_flags INTERFACE -fno-math-errno -fno-trapping-math)
 # Eigen would sum in an order that depends on the width of the machine's vectors, and fuse where it has no macro against
 # it. What the compiler makes of plain loops keeps their order. Types keep the alignment that users of the library see.
 target_compile_definitions(dynasurf_flags INTERFACE EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16)

@@ -21,7 +21,7 @@ mkdir -p "$work"
 build() {
   local name=$1 compile file
   shift
-  compile=("$@" -std=c++20 -DNDEBUG -ffp-contract=off -DEIGEN_DONT_VECTORIZE -Wno-psabi "-I$root/src" -isystem /usr/include/eigen3)
+  compile=("$@" -std=c++20 -DNDEBUG -ffp-contract=off -fno-math-errno -fno-trapping-math -DEIGEN_DONT_VECTORIZE -Wno-psabi "-I$root/src" -isystem /usr/include/eigen3)
   local at=$work/$name
   mkdir -p "$at"
   {
