@@ -36,13 +36,19 @@ void look_along(const Pixels& pixels, int axis, double position, double sigma_mm
   seen.weight.clear();
   seen.from = std::max(0, ceil_int((position - reach - start) / pitch));
   const int to = std::min(pixels.count[axis] - 1, floor_int((position + reach - start) / pitch));
+  // Of a Gaussian at even steps each value is the one before times a ratio, which shrinks evenly itself.
+  const double from = spacing * (pixels.first[axis] + seen.from * pixels.joined[axis]) - position;
+  double value = own::exp(-from * from / (2 * variance)) / (joined * std::sqrt(2 * M_PI * variance));
+  double ratio = own::exp(-spacing * (from + 0.5 * spacing) / variance);
+  const double shrinks_by = own::exp(-spacing * spacing / variance);
   for (int n = seen.from; n <= to; ++n) {
     double sum = 0;
     for (int v = 0; v < pixels.joined[axis]; ++v) {
-      const double x = spacing * (pixels.first[axis] + n * pixels.joined[axis] + v) - position;
-      sum += own::exp(-x * x / (2 * variance));
+      sum += value;
+      value *= ratio;
+      ratio *= shrinks_by;
     }
-    seen.weight.push_back(sum / joined / std::sqrt(2 * M_PI * variance));
+    seen.weight.push_back(sum);
   }
 }
 
