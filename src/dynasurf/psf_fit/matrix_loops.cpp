@@ -90,7 +90,8 @@ DYNASURF_INLINE void project_tile(const float* one, const float* two, const floa
 }  // namespace
 
 DYNASURF_CLONES
-void add_lines(float* to, std::size_t length, const float* const* from, const float* factor, std::size_t lines) {
+void add_lines(float* __restrict to, std::size_t length, const float* const* from, const float* factor,
+               std::size_t lines) {
   std::size_t n = 0;
   // Four lines in one pass over the sums, in one expression, which keeps the order of the lines.
   for (; n + 4 <= lines; n += 4) {
@@ -103,7 +104,7 @@ void add_lines(float* to, std::size_t length, const float* const* from, const fl
 }
 
 DYNASURF_CLONES
-void add_lines(double* to, std::size_t length, const double* from, std::size_t pitch, const double* factor,
+void add_lines(double* __restrict to, std::size_t length, const double* from, std::size_t pitch, const double* factor,
                std::size_t lines) {
   std::size_t n = 0;
   for (; n + 4 <= lines; n += 4, from += 4 * pitch) {
