@@ -12,7 +12,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 SOURCES = ("core/elementary_angle", "core/elementary_exp", "core/elementary_root", "core/fourier", "core/symmetric_axes",
            "core/parallel", "core/parallel_serial", "core/trace", "synthetic/random", "psf_fit/matrix_loops", "psf_fit/cholesky")
-FLAGS = ["-std=c++20", "-DNDEBUG", "-ffp-contract=off", "-DEIGEN_DONT_VECTORIZE", f"-I{ROOT / 'src'}", "-isystem/usr/include/eigen3"]
+FLAGS = ["-std=c++20", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-DEIGEN_DONT_VECTORIZE",
+         f"-I{ROOT / 'src'}", "-isystem/usr/include/eigen3"]
 
 
 class Compilers(unittest.TestCase):
