@@ -75,11 +75,11 @@ class Interpolated {
 };
 
 /// Asks for a row that the first stage of a pass will soon need: that stage touches every other half row alone, which
-/// the processor does not foresee. Smaller levels are in the cache.
+/// the processor does not foresee. Of shorter rows the levels stay in a cache near enough.
 template <bool finest>
 DYNASURF_INLINE void fetch_ahead(const View& v, int j, int k) {
-  constexpr int ahead = 2, short_row = 64;
-  if (v.slot < short_row || j + ahead >= v.ny) return;
+  constexpr int ahead = 2, shortest = 32;
+  if (v.slot < shortest || j + ahead >= v.ny) return;
   for (int m = 0; m < 6 * v.slot; m += lanes) {
     __builtin_prefetch(v.u + v.row(j + ahead, k) + m, 1);
     if (!finest) __builtin_prefetch(v.rhs + v.row(j + ahead, k) + m);
