@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "dynasurf/core/detail/lanes.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -14,9 +16,11 @@ constexpr double beside_mm = 14;  // from the middle of the wall to where it has
 constexpr std::size_t most_places = 10;
 constexpr std::size_t directions = 26;
 
-/// Neighbours along a row, which are looked at side by side: compilers make vectors of them.
-constexpr int lanes = 8;
-using Lanes = std::array<double, lanes>;
+/// Of the directions of a shell the best ones may be a hot neighbour, the worst ones are the open base and defects.
+constexpr std::size_t worst = 9, best = 4;
+
+/// The most neighbours along a row that are looked at side by side.
+constexpr int most_lanes = 8;
 
 /// The image with its outermost voxels repeated around it.
 struct Padded {
@@ -29,7 +33,7 @@ struct Padded {
 Padded pad(const Image& image, int room) {
   Grid grid = image.grid;
   for (int& count : grid.dims) count += 2 * room;
-  grid.dims[0] += lanes;  // the last voxels of a row have neighbours too
+  grid.dims[0] += most_lanes;  // the last voxels of a row have neighbours too
   Padded result{Image(grid), room};
   for (int k = 0; k < grid.dims[2]; ++k)
     for (int j = 0; j < grid.dims[1]; ++j)
@@ -59,44 +63,73 @@ struct Comparison {
   std::size_t low, high;
 };
 
-/// The comparisons that sort one value per direction, whatever the values are (Batcher's merge exchange, Knuth volume
-/// 3, algorithm 5.2.2M).
-std::vector<Comparison> sorting_network() {
+/// Calls `found` with the comparisons that sort one value per direction, whatever the values are (Batcher's merge
+/// exchange, Knuth volume 3, algorithm 5.2.2M).
+template <class Found>
+constexpr void each_comparison(Found found) {
   constexpr std::size_t half = 16;
   static_assert(half < directions && directions <= 2 * half);
-  std::vector<Comparison> all;
   for (std::size_t p = half; p > 0; p /= 2)
     for (std::size_t q = half, r = 0, d = p;; d = q - p, q /= 2, r = p) {
       for (std::size_t n = 0; n + d < directions; ++n)
-        if ((n & p) == r) all.push_back({n, n + d});
+        if ((n & p) == r) found(Comparison{n, n + d});
       if (q == p) break;
     }
-  return all;
 }
 
-/// Contrast of the shells around the voxels from `first` on in their middling directions: the best ones may be a hot
-/// neighbour, the worst ones are the open base and defects.
-DYNASURF_CLONES
-Lanes worth_of(const float* first, const Shell& shell, const std::vector<Comparison>& network) {
-  constexpr std::size_t worst = 9, best = 4;
-  std::array<Lanes, directions> contrast;
+constexpr std::size_t comparison_count() {
+  std::size_t count = 0;
+  each_comparison([&](Comparison) { ++count; });
+  return count;
+}
+
+/// Known when this is compiled, so that the loop over them unrolls and values stay in registers.
+constexpr std::array<Comparison, comparison_count()> network = [] {
+  std::array<Comparison, comparison_count()> all{};
+  std::size_t n = 0;
+  each_comparison([&](Comparison c) { all[n++] = c; });
+  return all;
+}();
+
+template <class V>
+DYNASURF_INLINE V widened(const float* from) {
+  typedef float Narrow __attribute__((vector_size(V::count * sizeof(float))));
+  Narrow values;
+  __builtin_memcpy(&values, from, sizeof values);
+  return __builtin_convertvector(values, typename V::Native);
+}
+template <class V>
+DYNASURF_INLINE V smaller(V a, V b) {
+  return simd::where_greater(a, b, b, a);
+}
+template <class V>
+DYNASURF_INLINE V greater(V a, V b) {
+  return simd::where_greater(b, a, b, a);
+}
+
+template <class V, std::size_t... n>
+DYNASURF_INLINE void sort(V (&value)[directions], std::index_sequence<n...>) {
+  const auto compare = [&](Comparison c) DYNASURF_INLINE_LAMBDA {
+    const V a = value[c.low], b = value[c.high];
+    value[c.low] = smaller(a, b);
+    value[c.high] = greater(a, b);
+  };
+  (compare(network[n]), ...);
+}
+
+/// Contrast of the shells around the voxels from `first` on in their middling directions.
+template <class V>
+DYNASURF_INLINE V worth_of(const float* first, const Shell& shell) {
+  V contrast[directions];
   for (std::size_t d = 0; d < directions; ++d) {
     const auto [in, wall, out] = shell.offsets[d];
-    for (int l = 0; l < lanes; ++l) {
-      const double inside = first[in + l], outside = first[out + l];
-      contrast[d][l] = first[wall + l] - 0.75 * std::max(inside, outside) - 0.25 * std::min(inside, outside);
-    }
+    const V inside = widened<V>(first + in), outside = widened<V>(first + out);
+    contrast[d] = widened<V>(first + wall) - V(0.75) * greater(inside, outside) - V(0.25) * smaller(inside, outside);
   }
-  for (const auto& [low, high] : network) {
-    const Lanes a = contrast[low], b = contrast[high];
-    for (int l = 0; l < lanes; ++l) contrast[low][l] = std::min(a[l], b[l]);
-    for (int l = 0; l < lanes; ++l) contrast[high][l] = std::max(a[l], b[l]);
-  }
-  Lanes sum{};
-  for (std::size_t d = worst; d < directions - best; ++d)
-    for (int l = 0; l < lanes; ++l) sum[l] += contrast[d][l];
-  for (double& value : sum) value /= directions - worst - best;
-  return sum;
+  sort(contrast, std::make_index_sequence<network.size()>{});
+  V sum = 0.0;
+  for (std::size_t d = worst; d < directions - best; ++d) sum += contrast[d];
+  return sum / V(directions - worst - best);
 }
 
 }  // namespace
@@ -117,20 +150,24 @@ std::vector<Place> find_places(const Image& coarse) {
   std::vector<Shell> shells;
   shells.reserve(shell_radii_mm.size());
   for (const double r : shell_radii_mm) shells.push_back(make_shell(r, padded.image.grid));
-  const std::vector<Comparison> network = sorting_network();
 
   std::vector<Place> all(g.size());
   parallel_for(g.dims[2], 1, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k)
-      for (int j = 0; j < g.dims[1]; ++j)
-        for (int i = 0; i < g.dims[0]; i += lanes)
-          for (const Shell& shell : shells) {
-            const Lanes worth = worth_of(padded.at(i, j, k), shell, network);
-            for (int l = 0; l < std::min(lanes, g.dims[0] - i); ++l) {
-              Place& best = all[g.index(i + l, j, k)];
-              if (worth[l] > best.worth) best = {centre_of(g, {i + l, j, k}), shell.radius_mm, worth[l]};
+    field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
+      constexpr int lanes = native / 2;
+      static_assert(lanes <= most_lanes);
+      for (int k = begin; k < end; ++k)
+        for (int j = 0; j < g.dims[1]; ++j)
+          for (int i = 0; i < g.dims[0]; i += lanes)
+            for (const Shell& shell : shells) {
+              double worth[lanes];
+              simd::store(worth, worth_of<simd::Pack<double, lanes, lanes>>(padded.at(i, j, k), shell));
+              for (int l = 0; l < std::min(lanes, g.dims[0] - i); ++l) {
+                Place& known = all[g.index(i + l, j, k)];
+                if (worth[l] > known.worth) known = {centre_of(g, {i + l, j, k}), shell.radius_mm, worth[l]};
+              }
             }
-          }
+    });
   });
   std::erase_if(all, [](const Place& p) { return p.worth <= 0; });
   std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) { return a.worth > b.worth; });
