@@ -102,17 +102,13 @@ template <class V>
 DYNASURF_INLINE V smaller(V a, V b) {
   return simd::where_greater(a, b, b, a);
 }
-template <class V>
-DYNASURF_INLINE V greater(V a, V b) {
-  return simd::where_greater(b, a, b, a);
-}
 
 template <class V, std::size_t... n>
 DYNASURF_INLINE void sort(V (&value)[directions], std::index_sequence<n...>) {
   const auto compare = [&](Comparison c) DYNASURF_INLINE_LAMBDA {
     const V a = value[c.low], b = value[c.high];
     value[c.low] = smaller(a, b);
-    value[c.high] = greater(a, b);
+    value[c.high] = simd::larger(b, a);
   };
   (compare(network[n]), ...);
 }
@@ -124,7 +120,8 @@ DYNASURF_INLINE V worth_of(const float* first, const Shell& shell) {
   for (std::size_t d = 0; d < directions; ++d) {
     const auto [in, wall, out] = shell.offsets[d];
     const V inside = widened<V>(first + in), outside = widened<V>(first + out);
-    contrast[d] = widened<V>(first + wall) - V(0.75) * greater(inside, outside) - V(0.25) * smaller(inside, outside);
+    contrast[d] =
+        widened<V>(first + wall) - V(0.75) * simd::larger(outside, inside) - V(0.25) * smaller(inside, outside);
   }
   sort(contrast, std::make_index_sequence<network.size()>{});
   V sum = 0.0;

@@ -75,7 +75,7 @@ class Interpolated {
 };
 
 /// Asks for a row that the first stage of a pass will soon need: that stage touches every other half row alone, which
-/// the processor does not foresee. Of shorter rows the levels stay in a cache near enough.
+/// the processor does not foresee. For shorter rows it wins nothing.
 template <bool finest>
 DYNASURF_INLINE void fetch_ahead(const View& v, int j, int k) {
   constexpr int ahead = 2, shortest = 32;
