@@ -1,7 +1,9 @@
 #include "dynasurf/core/detail/fourier.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/simd.hpp"
@@ -9,26 +11,18 @@
 namespace dynasurf {
 namespace {
 
-/// Lines of numbers, each number beside those of the other lines at the same place.
+/// Lines of a box that are transformed together.
+constexpr std::size_t together = 16;
+
+/// Numbers of lines side by side, in the order of the table's `turned`.
 struct Lines {
   Lines(std::size_t length, std::size_t count) : re(length * count), im(length * count) {}
   std::vector<double> re, im;  // [place][line]
 };
 
-/// Lines of a box that are transformed together.
-constexpr std::size_t together = 16;
-
 template <std::size_t count>
 DYNASURF_INLINE void butterflies(const FourierTable& table, double* re, double* im, int sign) {
   const std::size_t n = table.size;
-  for (std::size_t i = 1, j = 0; i < n; ++i) {
-    std::size_t bit = n >> 1;
-    for (; (j & bit) != 0; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i >= j) continue;
-    std::swap_ranges(re + i * count, re + (i + 1) * count, re + j * count);
-    std::swap_ranges(im + i * count, im + (i + 1) * count, im + j * count);
-  }
   for (std::size_t half = 1; half < n; half *= 2)
     for (std::size_t start = 0; start < n; start += 2 * half)
       for (std::size_t k = 0; k < half; ++k) {
@@ -43,29 +37,51 @@ DYNASURF_INLINE void butterflies(const FourierTable& table, double* re, double* 
       }
 }
 
-DYNASURF_CLONES
-void transform_together(const FourierTable& table, double* re, double* im, int sign) {
-  butterflies<together>(table, re, im, sign);
-}
+/// Some lines of a box: where the first begins, how far the next one is and how far the next number.
+struct Bundle {
+  std::size_t begin, apart, stride, count;
+};
 
-/// Fetches lines of which each begins somewhere and whose numbers are `stride` apart. False if all are zeros.
-bool fetch(const Complex* box, std::span<const std::size_t> begin, std::size_t stride, std::size_t length,
-           Lines& lines) {
+/// Fetches the numbers of lines. False if all are zeros.
+template <bool adjacent>
+DYNASURF_INLINE bool fetch(const Complex* box, const Bundle& from, const FourierTable& table, Lines& lines) {
+  const std::size_t length = table.size, apart = adjacent ? 1 : from.apart;
   bool any = false;
-  for (std::size_t n = 0; n < length; ++n)
-    for (std::size_t l = 0; l < begin.size(); ++l) {
-      const Complex& v = box[begin[l] + n * stride];
-      lines.re[n * together + l] = v.re, lines.im[n * together + l] = v.im;
-      any = any || v.re != 0 || v.im != 0;
+  for (std::size_t n = 0; n < length; ++n) {
+    const Complex* const value = box + from.begin + n * from.stride;
+    double *const re = &lines.re[table.turned[n] * together], *const im = &lines.im[table.turned[n] * together];
+    for (std::size_t l = 0; l < from.count; ++l) {
+      re[l] = value[l * apart].re, im[l] = value[l * apart].im;
+      any |= re[l] != 0 || im[l] != 0;
     }
+  }
   return any;
 }
 
-void put_back(const Lines& lines, std::span<const std::size_t> begin, std::size_t stride, std::size_t length,
-              Complex* box) {
-  for (std::size_t n = 0; n < length; ++n)
-    for (std::size_t l = 0; l < begin.size(); ++l)
-      box[begin[l] + n * stride] = {lines.re[n * together + l], lines.im[n * together + l]};
+template <bool adjacent>
+DYNASURF_INLINE void put_back(const Lines& lines, const Bundle& to, const FourierTable& table, Complex* box) {
+  const std::size_t length = table.size, apart = adjacent ? 1 : to.apart;
+  for (std::size_t n = 0; n < length; ++n) {
+    Complex* const value = box + to.begin + n * to.stride;
+    const double *const re = &lines.re[n * together], *const im = &lines.im[n * together];
+    for (std::size_t l = 0; l < to.count; ++l) value[l * apart] = {re[l], im[l]};
+  }
+}
+
+template <bool adjacent>
+DYNASURF_INLINE void transform_lines(const FourierTable& table, int sign, const Bundle& bundle, Lines& lines,
+                                     Complex* box) {
+  if (!fetch<adjacent>(box, bundle, table, lines)) return;
+  butterflies<together>(table, lines.re.data(), lines.im.data(), sign);
+  put_back<adjacent>(lines, bundle, table, box);
+}
+
+DYNASURF_CLONES
+void transform_bundle(const FourierTable& table, int sign, const Bundle& bundle, Lines& lines, Complex* box) {
+  if (bundle.apart == 1)
+    transform_lines<true>(table, sign, bundle, lines, box);
+  else
+    transform_lines<false>(table, sign, bundle, lines, box);
 }
 
 }  // namespace
@@ -79,16 +95,22 @@ int power_of_two(int n) {
 FourierTable make_fourier_table(int size) {
   FourierTable table;
   table.size = size;
+  std::uint32_t turned = 0;
   for (int k = 0; k < size; ++k) {
     table.cosine.push_back(own::cos(2 * M_PI * k / size));
     table.sine.push_back(own::sin(2 * M_PI * k / size));
+    table.turned.push_back(turned);
+    std::uint32_t bit = size / 2;
+    for (; (turned & bit) != 0; bit /= 2) turned ^= bit;
+    turned ^= bit;
   }
   return table;
 }
 
 void transform(const FourierTable& table, std::span<Complex> line, int sign) {
   Lines one(line.size(), 1);
-  for (std::size_t n = 0; n < line.size(); ++n) one.re[n] = line[n].re, one.im[n] = line[n].im;
+  for (std::size_t n = 0; n < line.size(); ++n)
+    one.re[table.turned[n]] = line[n].re, one.im[table.turned[n]] = line[n].im;
   butterflies<1>(table, one.re.data(), one.im.data(), sign);
   for (std::size_t n = 0; n < line.size(); ++n) line[n] = {one.re[n], one.im[n]};
 }
@@ -99,29 +121,21 @@ void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> b
 
 void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> box, int sign, const VoxelBox& part) {
   const Index3 size{tables[0].size, tables[1].size, tables[2].size};
+  const std::array<std::size_t, 3> stride{1, size_of({size[0], 1, 1}), size_of({size[0], size[1], 1})};
   Lines lines(std::max({size[0], size[1], size[2]}), together);
-  std::vector<std::size_t> begin;
   // Of axes that are done, lines beside the part are no longer needed.
   Index3 first{0, 0, 0}, end = size;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t length = size[axis];
-    std::size_t stride = 1;
-    for (std::size_t a = 0; a < axis; ++a) stride *= size[a];
-    const auto finish = [&] {
-      if (fetch(box.data(), begin, stride, length, lines)) {
-        transform_together(tables[axis], lines.re.data(), lines.im.data(), sign);
-        put_back(lines, begin, stride, length, box.data());
-      }
-      begin.clear();
-    };
     first[axis] = 0, end[axis] = 1;
+    const std::size_t side = axis == 0 ? 1 : 0;  // along which lines lie side by side
+    constexpr int most = together;
     for (int k = first[2]; k < end[2]; ++k)
-      for (int j = first[1]; j < end[1]; ++j)
-        for (int i = first[0]; i < end[0]; ++i) {
-          begin.push_back(index_in(size, {i, j, k}));
-          if (begin.size() == together) finish();
+      for (int j = first[1]; j < end[1]; j += side == 1 ? most : 1)
+        for (int i = first[0]; i < end[0]; i += side == 0 ? most : 1) {
+          const std::size_t count = std::min(most, side == 0 ? end[0] - i : end[1] - j);
+          transform_bundle(tables[axis], sign, {index_in(size, {i, j, k}), stride[side], stride[axis], count}, lines,
+                           box.data());
         }
-    finish();
     first[axis] = part.first[axis], end[axis] = part.first[axis] + part.count[axis];
   }
 }

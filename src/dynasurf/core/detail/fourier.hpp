@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct Complex {
 /// Tables of a fast Fourier transform of `size` values, a power of 2.
 struct FourierTable {
   int size = 1;
-  std::vector<double> cosine, sine;  // of 2 pi k / size
+  std::vector<double> cosine, sine;   // of 2 pi k / size
+  std::vector<std::uint32_t> turned;  // the bits of a place in the opposite order
 };
 FourierTable make_fourier_table(int size);
 /// The smallest power of 2 that is not below `n`.
