@@ -1,7 +1,7 @@
 #include "dynasurf/core/detail/fourier.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -20,68 +20,62 @@ struct Lines {
   std::vector<double> re, im;  // [place][line]
 };
 
+/// Numbers of lines at two places become their sums and differences, the second ones turned before.
+template <std::size_t count>
+DYNASURF_INLINE void butterfly(double c, double s, double* __restrict a_re, double* __restrict a_im,
+                               double* __restrict b_re, double* __restrict b_im) {
+  for (std::size_t l = 0; l < count; ++l) {
+    const double turned_re = b_re[l] * c - b_im[l] * s, turned_im = b_re[l] * s + b_im[l] * c;
+    b_re[l] = a_re[l] - turned_re, b_im[l] = a_im[l] - turned_im;
+    a_re[l] = a_re[l] + turned_re, a_im[l] = a_im[l] + turned_im;
+  }
+}
+
 template <std::size_t count>
 DYNASURF_INLINE void butterflies(const FourierTable& table, double* re, double* im, int sign) {
   const std::size_t n = table.size;
   for (std::size_t half = 1; half < n; half *= 2)
     for (std::size_t start = 0; start < n; start += 2 * half)
       for (std::size_t k = 0; k < half; ++k) {
-        const double c = table.cosine[k * (n / (2 * half))], s = sign * table.sine[k * (n / (2 * half))];
-        double *const a_re = re + (start + k) * count, *const b_re = a_re + half * count;
-        double *const a_im = im + (start + k) * count, *const b_im = a_im + half * count;
-        for (std::size_t l = 0; l < count; ++l) {
-          const double turned_re = b_re[l] * c - b_im[l] * s, turned_im = b_re[l] * s + b_im[l] * c;
-          b_re[l] = a_re[l] - turned_re, b_im[l] = a_im[l] - turned_im;
-          a_re[l] = a_re[l] + turned_re, a_im[l] = a_im[l] + turned_im;
-        }
+        const std::size_t turn = k * (n / (2 * half)), a = (start + k) * count, b = a + half * count;
+        butterfly<count>(table.cosine[turn], sign * table.sine[turn], re + a, im + a, re + b, im + b);
       }
 }
 
-/// Some lines of a box: where the first begins, how far the next one is and how far the next number.
+/// Some lines of a box: how far the next one is, and in a line the next number. Either is 1.
 struct Bundle {
-  std::size_t begin, apart, stride, count;
+  std::size_t apart, stride, count;
 };
 
-/// Fetches the numbers of lines. False if all are zeros.
-template <bool adjacent>
-DYNASURF_INLINE bool fetch(const Complex* box, const Bundle& from, const FourierTable& table, Lines& lines) {
-  const std::size_t length = table.size, apart = adjacent ? 1 : from.apart;
-  bool any = false;
-  for (std::size_t n = 0; n < length; ++n) {
-    const Complex* const value = box + from.begin + n * from.stride;
-    double *const re = &lines.re[table.turned[n] * together], *const im = &lines.im[table.turned[n] * together];
-    for (std::size_t l = 0; l < from.count; ++l) {
-      re[l] = value[l * apart].re, im[l] = value[l * apart].im;
-      any |= re[l] != 0 || im[l] != 0;
-    }
-  }
-  return any;
-}
-
-template <bool adjacent>
-DYNASURF_INLINE void put_back(const Lines& lines, const Bundle& to, const FourierTable& table, Complex* box) {
-  const std::size_t length = table.size, apart = adjacent ? 1 : to.apart;
-  for (std::size_t n = 0; n < length; ++n) {
-    Complex* const value = box + to.begin + n * to.stride;
-    const double *const re = &lines.re[n * together], *const im = &lines.im[n * together];
-    for (std::size_t l = 0; l < to.count; ++l) value[l * apart] = {re[l], im[l]};
-  }
-}
-
-template <bool adjacent>
-DYNASURF_INLINE void transform_lines(const FourierTable& table, int sign, const Bundle& bundle, Lines& lines,
-                                     Complex* box) {
-  if (!fetch<adjacent>(box, bundle, table, lines)) return;
-  butterflies<together>(table, lines.re.data(), lines.im.data(), sign);
-  put_back<adjacent>(lines, bundle, table, box);
-}
-
-DYNASURF_CLONES
-void transform_bundle(const FourierTable& table, int sign, const Bundle& bundle, Lines& lines, Complex* box) {
+/// at(place in the box, place in the line, line) for all numbers, as they lie in the box.
+template <class F>
+DYNASURF_INLINE void for_all_numbers(const Bundle& bundle, std::size_t length, const F& at) {
   if (bundle.apart == 1)
-    transform_lines<true>(table, sign, bundle, lines, box);
+    for (std::size_t n = 0; n < length; ++n)
+      for (std::size_t l = 0; l < bundle.count; ++l) at(n * bundle.stride + l, n, l);
   else
-    transform_lines<false>(table, sign, bundle, lines, box);
+    for (std::size_t l = 0; l < bundle.count; ++l)
+      for (std::size_t n = 0; n < length; ++n) at(l * bundle.apart + n, n, l);
+}
+
+/// Transforms lines, unless all are zeros.
+DYNASURF_CLONES
+void transform_bundle(const FourierTable& table, int sign, const Bundle& bundle, Lines& lines,
+                      Complex* __restrict box) {
+  double* const __restrict re = lines.re.data(), * const __restrict im = lines.im.data();
+  const std::uint32_t* const turned = table.turned.data();
+  const std::size_t length = table.size;
+  std::uint64_t any = 0;  // bits but for signs: what compares numbers is no vector loop
+  for_all_numbers(bundle, length, [&](std::size_t at, std::size_t n, std::size_t l) DYNASURF_INLINE_LAMBDA {
+    const std::size_t to = turned[n] * together + l;
+    re[to] = box[at].re, im[to] = box[at].im;
+    any |= (std::bit_cast<std::uint64_t>(box[at].re) | std::bit_cast<std::uint64_t>(box[at].im)) << 1;
+  });
+  if (any == 0) return;
+  butterflies<together>(table, re, im, sign);
+  for_all_numbers(bundle, length, [&](std::size_t at, std::size_t n, std::size_t l) DYNASURF_INLINE_LAMBDA {
+    box[at] = {re[n * together + l], im[n * together + l]};
+  });
 }
 
 }  // namespace
@@ -121,23 +115,24 @@ void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> b
 
 void transform_box(std::span<const FourierTable, 3> tables, std::span<Complex> box, int sign, const VoxelBox& part) {
   const Index3 size{tables[0].size, tables[1].size, tables[2].size};
-  const std::array<std::size_t, 3> stride{1, size_of({size[0], 1, 1}), size_of({size[0], size[1], 1})};
+  const std::size_t row = size[0], slice = row * size[1];
+  constexpr int most = together;
   Lines lines(std::max({size[0], size[1], size[2]}), together);
-  // Of axes that are done, lines beside the part are no longer needed.
-  Index3 first{0, 0, 0}, end = size;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    first[axis] = 0, end[axis] = 1;
-    const std::size_t side = axis == 0 ? 1 : 0;  // along which lines lie side by side
-    constexpr int most = together;
-    for (int k = first[2]; k < end[2]; ++k)
-      for (int j = first[1]; j < end[1]; j += side == 1 ? most : 1)
-        for (int i = first[0]; i < end[0]; i += side == 0 ? most : 1) {
-          const std::size_t count = std::min(most, side == 0 ? end[0] - i : end[1] - j);
-          transform_bundle(tables[axis], sign, {index_in(size, {i, j, k}), stride[side], stride[axis], count}, lines,
-                           box.data());
-        }
-    first[axis] = part.first[axis], end[axis] = part.first[axis] + part.count[axis];
+  // Of axes that are done, lines beside the part are no longer needed. A slice stays near while two axes are done.
+  const int first_x = part.first[0], end_x = first_x + part.count[0];
+  const int first_y = part.first[1], end_y = first_y + part.count[1];
+  const auto transform_from = [&](const Index3& at, std::size_t axis, const Bundle& bundle) {
+    transform_bundle(tables[axis], sign, bundle, lines, &box[index_in(size, at)]);
+  };
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; j += most)
+      transform_from({0, j, k}, 0, {row, 1, static_cast<std::size_t>(std::min(most, size[1] - j))});
+    for (int i = first_x; i < end_x; i += most)
+      transform_from({i, 0, k}, 1, {1, row, static_cast<std::size_t>(std::min(most, end_x - i))});
   }
+  for (int j = first_y; j < end_y; ++j)
+    for (int i = first_x; i < end_x; i += most)
+      transform_from({i, j, 0}, 2, {1, slice, static_cast<std::size_t>(std::min(most, end_x - i))});
 }
 
 }  // namespace dynasurf

@@ -90,15 +90,19 @@ Surroundings surroundings_of(const Grid& grid, const Pixels& pixels, const Heart
     return (2 * k < s.size[a] ? k : k - s.size[a]) / (s.size[a] * pixels.joined[a] * pixels.spacing[a]);
   };
   const double share = 1.0 / s.values();
-  for (int k = 0; k < s.size[2]; ++k)
-    for (int j = 0; j < s.size[1]; ++j)
-      for (int i = 0; i < s.size[0]; ++i) {
-        const Vec3 f = turn * Vec3(frequency(0, i), frequency(1, j), frequency(2, k));
-        const double square = f[0] * f[0] + f[1] * f[1];
-        const double scale = square > 1e-12 ? share / square : 0;
-        s.cosine.push_back(scale * (f[0] * f[0] - f[1] * f[1]));
-        s.sine.push_back(scale * 2 * f[0] * f[1]);
-      }
+  s.cosine.resize(s.values()), s.sine.resize(s.values());
+  parallel_for(s.size[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
+      for (int j = 0; j < s.size[1]; ++j)
+        for (int i = 0; i < s.size[0]; ++i) {
+          const Vec3 f = turn * Vec3(frequency(0, i), frequency(1, j), frequency(2, k));
+          const double square = f[0] * f[0] + f[1] * f[1];
+          const double scale = square > 1e-12 ? share / square : 0;
+          const std::size_t at = index_in(s.size, {i, j, k});
+          s.cosine[at] = scale * (f[0] * f[0] - f[1] * f[1]);
+          s.sine[at] = scale * 2 * f[0] * f[1];
+        }
+  });
   return s;
 }
 
@@ -115,27 +119,23 @@ std::vector<Complex> images_of(const Surroundings& s, const std::vector<float>& 
 /// What a coefficient of a linear function of the place counts by: 1, left, back, head.
 double coordinate(const Vec3& place, std::size_t part) { return part == 0 ? 1 : place[part - 1]; }
 
-/// The spectra of the images, and of the images times each coordinate of the place.
-std::array<std::vector<Complex>, 4> spectra_of(const Surroundings& s, const std::vector<Complex>& images) {
-  std::array<std::vector<Complex>, 4> spectra;
-  for (std::size_t part = 0; part < spectra.size(); ++part) {
-    spectra[part].resize(s.values());
-    s.for_all([&](std::size_t n, std::size_t at) {
-      const double w = coordinate(s.place[n], part);
-      spectra[part][at] = {w * images[n].re, w * images[n].im};
-    });
-    transform_box(s.tables, spectra[part], -1);
-  }
-  return spectra;
+/// The spectrum of the images times a coordinate of the place.
+void find_spectrum(const Surroundings& s, const std::vector<Complex>& images, std::size_t part,
+                   std::vector<Complex>& spectrum) {
+  spectrum.assign(s.values(), Complex{});
+  s.for_all([&](std::size_t n, std::size_t at) {
+    const double w = coordinate(s.place[n], part);
+    spectrum[at] = {w * images[n].re, w * images[n].im};
+  });
+  transform_box(s.tables, spectrum, -1);
 }
 
 /// A filtered image of two gates, right at the fit's own pixels alone.
-std::vector<Complex> filtered(const Surroundings& s, const std::vector<double>& filter,
-                              const std::vector<Complex>& spectrum) {
-  std::vector<Complex> box(spectrum.size());
-  for (std::size_t n = 0; n < box.size(); ++n) box[n] = {filter[n] * spectrum[n].re, filter[n] * spectrum[n].im};
+void filter(const Surroundings& s, const std::vector<double>& response, const std::vector<Complex>& spectrum,
+            std::vector<Complex>& box) {
+  box.resize(spectrum.size());
+  for (std::size_t n = 0; n < box.size(); ++n) box[n] = {response[n] * spectrum[n].re, response[n] * spectrum[n].im};
   transform_box(s.tables, box, 1, {s.before, s.own_count});
-  return box;
 }
 
 }  // namespace
@@ -173,35 +173,40 @@ std::vector<std::vector<std::vector<float>>> attenuation_images(const Study& stu
   parallel_for((gates + 1) / 2, 1, [&](std::size_t pair, std::size_t) {
     const std::size_t first = 2 * pair, second = std::min(first + 1, gates - 1);
     const std::vector<Complex> both = images_of(s, image_of(first), image_of(second));
-    const auto spectra = spectra_of(s, both);
     std::vector<Complex> usual(pixels.size());
     const auto put = [&](std::size_t term, std::size_t own, const Complex& value) {
       images[term][first][own] = value.re;
       if (second != first) images[term][second][own] = value.im;
     };
     std::size_t term = 0;
-    /// at(place among the pixels, place in the box) is what a coefficient of 1 adds.
+    /// at(own, place among the pixels, place in the box) is what a coefficient of 1 adds.
     const auto add_term = [&](double usual_coefficient, const auto& at) {
       ++term;
       std::size_t own = 0;
       s.for_own([&](std::size_t pixel, std::size_t in_box) {
-        const Complex added = at(pixel, in_box);
+        const Complex added = at(own, pixel, in_box);
         put(term, own, added);
         usual[own].re += usual_coefficient * added.re, usual[own].im += usual_coefficient * added.im;
         ++own;
       });
     };
     for (std::size_t part = 1; part < usual_plain.size(); ++part)
-      add_term(usual_plain[part], [&](std::size_t pixel, std::size_t) {
+      add_term(usual_plain[part], [&](std::size_t, std::size_t pixel, std::size_t) {
         const double w = coordinate(s.place[pixel], part);
         return Complex{w * both[pixel].re, w * both[pixel].im};
       });
-    for (const bool is_cosine : {true, false})
-      for (std::size_t part = 0; part < spectra.size(); ++part) {
-        const std::vector<Complex> box = filtered(s, is_cosine ? s.cosine : s.sine, spectra[part]);
-        add_term((is_cosine ? usual_cosine : usual_sine)[part],
-                 [&](std::size_t, std::size_t in_box) { return box[in_box]; });
-      }
+    // One spectrum at a time serves both filters; of the sine's only the fit's own pixels wait for their turn.
+    std::vector<Complex> spectrum, box;
+    std::array<std::vector<Complex>, usual_sine.size()> of_sine;
+    for (std::size_t part = 0; part < usual_cosine.size(); ++part) {
+      find_spectrum(s, both, part, spectrum);
+      filter(s, s.sine, spectrum, box);
+      s.for_own([&](std::size_t, std::size_t in_box) { of_sine[part].push_back(box[in_box]); });
+      filter(s, s.cosine, spectrum, box);
+      add_term(usual_cosine[part], [&](std::size_t, std::size_t, std::size_t in_box) { return box[in_box]; });
+    }
+    for (std::size_t part = 0; part < usual_sine.size(); ++part)
+      add_term(usual_sine[part], [&](std::size_t own, std::size_t, std::size_t) { return of_sine[part][own]; });
     for (std::size_t own = 0; own < usual.size(); ++own) put(0, own, usual[own]);
   });
   return images;
