@@ -137,7 +137,10 @@ Volumes volumes_of(const std::vector<Crossing>& crossings, const std::vector<Ray
   Volumes v;
   for (std::size_t n = 0; n < rays.size(); ++n) {
     const Crossing& at = crossings[n];
-    const auto cubed = [&](double mm) { return own::pow(std::clamp(mm, 0.0, at.base) / rays[n].mm_per_q, 3); };
+    const auto cubed = [&](double mm) {
+      const double q = std::clamp(mm, 0.0, at.base) / rays[n].mm_per_q;
+      return q * q * q;
+    };
     v.cavity += solid_angle * cubed(at.middle - share * at.inner);
     v.epi += solid_angle * cubed(at.middle + share * at.outer);
   }

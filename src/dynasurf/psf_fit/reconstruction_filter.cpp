@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/QR>
@@ -83,20 +84,22 @@ Spectrum spectrum_of_noise(const Study& study) {
   const std::size_t pairs = (study.gates.size() + 1) / 2;
   constexpr int shells = 34;
   const double nyquist = 0.5 / grid.spacing.maxCoeff(), lowest = 0.1 * nyquist, width = 0.85 * nyquist / shells;
-  std::vector<std::array<double, shells>> power(pairs);
+  std::vector<std::uint8_t> shell(size_of(size));  // `shells` where a frequency lies in none
   std::array<double, shells> number{};
+  for_all_frequencies(size, grid.spacing, [&](double square, std::size_t at) {
+    const double place = (std::sqrt(square) - lowest) / width;
+    const bool is_in = place >= 0 && place < shells;
+    shell[at] = is_in ? place : shells;
+    if (is_in) number[shell[at]] += 1;
+  });
+  std::vector<std::array<double, shells + 1>> power(pairs);
   parallel_for(pairs, 1, [&](std::size_t pair, std::size_t) {
     std::vector<Complex> noise = differences(study, 2 * pair, box, size);
     transform_box(tables, noise, -1);
     power[pair].fill(0);
     // Summed over both signs of f the real and the imaginary part's powers add.
-    for_all_frequencies(size, grid.spacing, [&](double square, std::size_t at) {
-      const double place = (std::sqrt(square) - lowest) / width;
-      if (place < 0 || place >= shells) return;
-      const std::size_t shell = place;
-      power[pair][shell] += noise[at].re * noise[at].re + noise[at].im * noise[at].im;
-      if (pair == 0) number[shell] += 1;
-    });
+    for (std::size_t at = 0; at < noise.size(); ++at)
+      power[pair][shell[at]] += noise[at].re * noise[at].re + noise[at].im * noise[at].im;
   });
   Spectrum spectrum;
   for (std::size_t s = 0; s < shells; ++s) {

@@ -38,4 +38,12 @@ class RayBvh {
   std::vector<Corners> corners_;  // in the order of the tree
 };
 
+/// A surface and the tree of its triangles. Refers to the mesh, which must outlive it.
+struct TracedSurface {
+  const TriMesh& mesh;
+  RayBvh rays;
+
+  TracedSurface(const TriMesh& surface) : mesh(surface), rays(surface) {}
+};
+
 }  // namespace dynasurf::mesh

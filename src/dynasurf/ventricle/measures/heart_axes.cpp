@@ -6,7 +6,6 @@
 
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
-#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -69,9 +68,9 @@ WallRay HeartAxes::ray(const PolarPoint& at, double radius_mm) const {
   return {centre() + (2 * at.rho - 1) * base_height * axis, outwards};
 }
 
-std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const Vec3& on_axis, const Vec3& axis,
-                                 const Vec3& anterior, const std::optional<heart::BasePlane>& plane) {
-  const auto inner = mesh::RayBvh(endo).first_hit(on_axis, -axis), outer = mesh::RayBvh(epi).first_hit(on_axis, -axis);
+std::optional<HeartAxes> axes_of(const mesh::TracedSurface& endo, const mesh::TracedSurface& epi, const Vec3& on_axis,
+                                 const Vec3& axis, const Vec3& anterior, const std::optional<heart::BasePlane>& plane) {
+  const auto inner = endo.rays.first_hit(on_axis, -axis), outer = epi.rays.first_hit(on_axis, -axis);
   if (!inner || !outer) return std::nullopt;
   HeartAxes axes;
   axes.axis = axis;
@@ -82,7 +81,7 @@ std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const 
     axes.length_mm = (plane->point - axes.apex).dot(plane->normal) / axis.dot(plane->normal);
   } else {
     axes.base_normal = axis;
-    axes.length_mm = std::min(highest(endo, axes.apex, axis), highest(epi, axes.apex, axis));
+    axes.length_mm = std::min(highest(endo.mesh, axes.apex, axis), highest(epi.mesh, axes.apex, axis));
   }
   if (!(axes.length_mm > 0)) return std::nullopt;
   return axes;

@@ -298,18 +298,21 @@ Measures measure_walls(const MeasureInput& input, const MeasureOptions& requeste
     const WallGate& gate = input.gates[g];
     if (!has_walls(gate)) return;
     GateMeasures& measured = m.gates[g];
-    const TriMesh& endo = *gate.endo.mesh;
-    const TriMesh& outermost = m.cavity_alone ? endo : *gate.epi.mesh;
-    measured.endo_ml = mesh::volume_mm3(endo) / 1000;
+    const mesh::TracedSurface endo(*gate.endo.mesh);
+    std::optional<mesh::TracedSurface> epi;
+    if (!m.cavity_alone) epi.emplace(*gate.epi.mesh);
+    const mesh::TracedSurface& outermost = epi ? *epi : endo;
+    measured.endo_ml = mesh::volume_mm3(endo.mesh) / 1000;
     measured.axes = axes_of(endo, outermost, middle, input.axis, m.anterior.direction, gate.base_plane);
-    if (!m.cavity_alone) measured.epi_ml = mesh::volume_mm3(outermost) / 1000;
+    if (epi) measured.epi_ml = mesh::volume_mm3(epi->mesh) / 1000;
     if (!measured.axes) return;
-    if (m.cavity_alone) {
+    if (!epi) {
       measured.map = map_cavity(endo, *measured.axes, m.grid);
       return;
     }
-    measured.thickness = wall_thickness(endo, outermost, *measured.axes);
-    measured.map = map_wall(gate.endo, gate.epi, measured.thickness, *measured.axes, *gate.image, m.grid);
+    measured.thickness = wall_thickness(endo, *epi, *measured.axes);
+    measured.map = map_wall(endo, *epi, {gate.endo.uptake, gate.epi.uptake}, measured.thickness, *measured.axes,
+                            *gate.image, m.grid);
   });
 
   double muscle = 0;

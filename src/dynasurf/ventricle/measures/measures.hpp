@@ -35,6 +35,11 @@ void describe(auto& visit, MeasureOptions& o) {
 /// Density of the myocardium, g/mL.
 inline constexpr double muscle_density = 1.05;
 
+/// A surface and, where it is known better than from the image, the activity of the wall at its vertices.
+struct WallSide {
+  const TriMesh* mesh = nullptr;
+  const std::vector<double>* uptake = nullptr;
+};
 /// What is measured: closed surfaces and the image of each gate, in the world frame, on any pipeline's way.
 struct WallGate {
   WallSide endo, epi;  // without a mesh: not found in this gate

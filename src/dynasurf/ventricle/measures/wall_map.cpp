@@ -8,7 +8,6 @@
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/image/intensity.hpp"
-#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -28,9 +27,8 @@ std::optional<double> thickness_at(const mesh::RayHit& hit, const TriMesh& mesh,
 }
 
 /// Uptake at a hit, from the triangle's corners.
-double uptake_at(const mesh::RayHit& hit, const WallSide& side) {
-  const auto& t = side.mesh->triangles[hit.triangle];
-  const std::vector<double>& uptake = *side.uptake;
+double uptake_at(const mesh::RayHit& hit, const TriMesh& mesh, const std::vector<double>& uptake) {
+  const auto& t = mesh.triangles[hit.triangle];
   return (1 - hit.u - hit.v) * uptake[t[0]] + hit.u * uptake[t[1]] + hit.v * uptake[t[2]];
 }
 
@@ -89,27 +87,27 @@ WallMap empty_map(const PolarGrid& grid) {
 
 }  // namespace
 
-WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
-                 const Image& image, const PolarGrid& grid) {
-  const mesh::RayBvh endo_tree(*endo.mesh), epi_tree(*epi.mesh);
-  const double radius = usual_radius(endo_tree, epi_tree, axes, grid);
+WallMap map_wall(const mesh::TracedSurface& endo, const mesh::TracedSurface& epi, const WallUptake& uptake,
+                 const WallThickness& thickness, const HeartAxes& axes, const Image& image, const PolarGrid& grid) {
+  const double radius = usual_radius(endo.rays, epi.rays, axes, grid);
   WallMap map = empty_map(grid);
   parallel_for(grid.size(), grid.sectors, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const WallRay ray = axes.ray(grid.point(n), radius);
       map.outwards[n] = ray.direction;
-      const auto inner = endo_tree.first_hit(ray.origin, ray.direction);
-      const auto outer = epi_tree.first_hit(ray.origin, ray.direction);
+      const auto inner = endo.rays.first_hit(ray.origin, ray.direction);
+      const auto outer = epi.rays.first_hit(ray.origin, ray.direction);
       if (!inner || !outer) continue;
       const Vec3 a = ray.origin + inner->distance * ray.direction, b = ray.origin + outer->distance * ray.direction;
       if (axes.above_base(a) > -lid_mm || axes.above_base(b) > -lid_mm) continue;
       map.endo[n] = a, map.epi[n] = b;
       const auto [from, to] = std::minmax(inner->distance, outer->distance);
       map.counts[n] = brightest(image, ray.origin, ray.direction, from, to);
-      if (endo.uptake && epi.uptake) map.uptake[n] = (uptake_at(*inner, endo) + uptake_at(*outer, epi)) / 2;
+      if (uptake.endo && uptake.epi)
+        map.uptake[n] = (uptake_at(*inner, endo.mesh, *uptake.endo) + uptake_at(*outer, epi.mesh, *uptake.epi)) / 2;
       map.area_mm2[n] = area_of(grid, grid.point(n), (from + to) / 2, axes);
-      const auto from_endo = thickness_at(*inner, *endo.mesh, thickness.endo);
-      const auto from_epi = thickness_at(*outer, *epi.mesh, thickness.epi);
+      const auto from_endo = thickness_at(*inner, endo.mesh, thickness.endo);
+      const auto from_epi = thickness_at(*outer, epi.mesh, thickness.epi);
       if (from_endo && from_epi)
         map.thickness_mm[n] = (*from_endo + *from_epi) / 2;
       else
@@ -120,14 +118,13 @@ WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness&
   return map;
 }
 
-WallMap map_cavity(const TriMesh& endo, const HeartAxes& axes, const PolarGrid& grid) {
-  const mesh::RayBvh tree(endo);
-  const double radius = usual_radius(tree, tree, axes, grid);
+WallMap map_cavity(const mesh::TracedSurface& endo, const HeartAxes& axes, const PolarGrid& grid) {
+  const double radius = usual_radius(endo.rays, endo.rays, axes, grid);
   WallMap map = empty_map(grid);
   for (std::size_t n = 0; n < grid.size(); ++n) {
     const WallRay ray = axes.ray(grid.point(n), radius);
     map.outwards[n] = ray.direction;
-    const auto hit = tree.first_hit(ray.origin, ray.direction);
+    const auto hit = endo.rays.first_hit(ray.origin, ray.direction);
     if (!hit) continue;
     const Vec3 p = ray.origin + hit->distance * ray.direction;
     if (axes.above_base(p) > -lid_mm) continue;

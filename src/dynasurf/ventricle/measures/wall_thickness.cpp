@@ -6,7 +6,6 @@
 
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
-#include "dynasurf/mesh/detail/ray_bvh.hpp"
 #include "dynasurf/mesh/detail/vertex_normals.hpp"
 
 namespace dynasurf::ventricle {
@@ -40,12 +39,12 @@ std::vector<double> areas_of_vertices(const TriMesh& mesh, const std::vector<boo
 /// One surface of the wall, ready to be asked from the other.
 struct Side {
   const TriMesh& mesh;
+  const mesh::RayBvh& rays;
   std::vector<bool> is_wall;
-  mesh::RayBvh rays;
   mesh::ClosestPoint nearest;
 
-  Side(const TriMesh& surface, const HeartAxes& axes)
-      : mesh(surface), is_wall(wall_triangles(surface, axes)), rays(surface), nearest(surface) {}
+  Side(const mesh::TracedSurface& surface, const HeartAxes& axes)
+      : mesh(surface.mesh), rays(surface.rays), is_wall(wall_triangles(mesh, axes)), nearest(mesh) {}
 };
 
 /// From the vertices of one side to the other. `outwards`: +1 from endo to epi, -1 from epi to endo.
@@ -111,13 +110,14 @@ std::optional<ThicknessSummary> summarise(const WallThickness& wall, const std::
 
 }  // namespace
 
-WallThickness wall_thickness(const TriMesh& endo, const TriMesh& epi, const HeartAxes& axes, double lid_mm,
-                             double reach_mm) {
+WallThickness wall_thickness(const mesh::TracedSurface& endo, const mesh::TracedSurface& epi, const HeartAxes& axes,
+                             double lid_mm, double reach_mm) {
   const Side inner(endo, axes), outer(epi, axes);
   WallThickness wall;
   wall.endo = thickness_from(inner, outer, axes, 1, lid_mm, reach_mm);
   wall.epi = thickness_from(outer, inner, axes, -1, lid_mm, reach_mm);
-  wall.summary = summarise(wall, areas_of_vertices(endo, inner.is_wall), areas_of_vertices(epi, outer.is_wall));
+  wall.summary =
+      summarise(wall, areas_of_vertices(inner.mesh, inner.is_wall), areas_of_vertices(outer.mesh, outer.is_wall));
   return wall;
 }
 

@@ -8,6 +8,7 @@
 #include "dynasurf/core/tri_mesh.hpp"
 #include "dynasurf/core/volume.hpp"
 #include "dynasurf/heart/base_plane.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 
 namespace dynasurf::ventricle {
 
@@ -67,7 +68,7 @@ struct HeartAxes {
 /// The frame of one gate from its closed surfaces. `on_axis`: a point of the long axis inside the cavity. Without a
 /// valve plane the ventricle ends where the lower of the two surfaces does. Absent when the axis does not leave both
 /// surfaces at the apex, or the ventricle has no length.
-std::optional<HeartAxes> axes_of(const TriMesh& endo, const TriMesh& epi, const Vec3& on_axis, const Vec3& axis,
-                                 const Vec3& anterior, const std::optional<heart::BasePlane>& plane);
+std::optional<HeartAxes> axes_of(const mesh::TracedSurface& endo, const mesh::TracedSurface& epi, const Vec3& on_axis,
+                                 const Vec3& axis, const Vec3& anterior, const std::optional<heart::BasePlane>& plane);
 
 }  // namespace dynasurf::ventricle

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dynasurf/core/volume.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 #include "dynasurf/ventricle/measures/detail/heart_axes.hpp"
 #include "dynasurf/ventricle/measures/detail/segments.hpp"
 #include "dynasurf/ventricle/measures/detail/wall_thickness.hpp"
@@ -48,18 +49,17 @@ struct WallMap {
   std::vector<double> area_mm2;  // of the middle of the wall for each sample; 0 where it was not met
 };
 
-/// A surface and, where it is known better than from the image, the activity of the wall at its vertices.
-struct WallSide {
-  const TriMesh* mesh = nullptr;
-  const std::vector<double>* uptake = nullptr;
+/// The activity of the wall at the vertices of both surfaces, where it is known better than from the image.
+struct WallUptake {
+  const std::vector<double>*endo = nullptr, *epi = nullptr;
 };
 /// `image` may be on any grid of the world. Samples whose rays miss a surface, or meet its lid, are absent.
-WallMap map_wall(const WallSide& endo, const WallSide& epi, const WallThickness& thickness, const HeartAxes& axes,
-                 const Image& image, const PolarGrid& grid = {});
+WallMap map_wall(const mesh::TracedSurface& endo, const mesh::TracedSurface& epi, const WallUptake& uptake,
+                 const WallThickness& thickness, const HeartAxes& axes, const Image& image, const PolarGrid& grid = {});
 
 /// The same of a cavity whose outer wall is not seen: where the rays meet its surface, and nothing of a wall. Areas are
 /// those of the surface.
-WallMap map_cavity(const TriMesh& endo, const HeartAxes& axes, const PolarGrid& grid = {});
+WallMap map_cavity(const mesh::TracedSurface& endo, const HeartAxes& axes, const PolarGrid& grid = {});
 
 /// Mean of the values of each segment (entry 0: segment 1), weighted by `weight`; absent where no sample has a value.
 PolarValues segment_means(SegmentModel model, const PolarGrid& grid, const PolarValues& values,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "dynasurf/core/tri_mesh.hpp"
+#include "dynasurf/mesh/detail/ray_bvh.hpp"
 #include "dynasurf/ventricle/measures/detail/heart_axes.hpp"
 
 namespace dynasurf::ventricle {
@@ -40,7 +41,7 @@ struct WallThickness {
 /// the triangles of the lid out. Between edges of a blurred image it is an apparent thickness: mostly that of the
 /// camera. World frame, closed surfaces, counter-clockwise triangles. A ray that leaves through the lid, or is longer
 /// than `reach_mm`, counts as none.
-WallThickness wall_thickness(const TriMesh& endo, const TriMesh& epi, const HeartAxes& axes, double lid_mm = 2,
-                             double reach_mm = 30);
+WallThickness wall_thickness(const mesh::TracedSurface& endo, const mesh::TracedSurface& epi, const HeartAxes& axes,
+                             double lid_mm = 2, double reach_mm = 30);
 
 }  // namespace dynasurf::ventricle
