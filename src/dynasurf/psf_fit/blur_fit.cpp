@@ -194,7 +194,7 @@ void relax_priors(Fitting& fit, double share) {
   const bool is_last = share >= 1;
   const bool is_kept = !is_last && solution.matrix.data.rows() == solution.unknowns.size();
   solution.every = is_last && problem.sigma_mm <= 0 ? 1 : 2;
-  solution.matrix.priors = is_kept ? prior_matrix(problem, solution.unknowns, solution.objective) : Eigen::MatrixXd();
+  solution.matrix.priors = is_kept ? prior_matrix(problem, solution.unknowns, solution.objective) : PriorMatrix();
   solution.damping = share > tightest ? 10 : 300;
 }
 

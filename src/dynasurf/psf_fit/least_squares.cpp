@@ -7,9 +7,9 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/trace.hpp"
 #include "dynasurf/core/parallel.hpp"
-#include "dynasurf/psf_fit/detail/cholesky.hpp"
 #include "dynasurf/psf_fit/detail/harmonics.hpp"
 #include "dynasurf/psf_fit/detail/image_derivatives.hpp"
+#include "dynasurf/psf_fit/detail/matrix_loops.hpp"
 #include "dynasurf/psf_fit/detail/wall_terms.hpp"
 
 namespace dynasurf::psf_fit {
@@ -76,10 +76,10 @@ bool is_within_reach(const BeatLayout& layout, const Eigen::VectorXd& gate) {
   return (log_widths * gate.segment<3>(layout.gate.width)).cwiseAbs().maxCoeff() <= farthest;
 }
 
-Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count) {
+Eigen::MatrixXd symmetric(const detail::AlignedMatrix& lower, int count, double scale) {
   Eigen::MatrixXd whole(count, count);
   for (int i = 0; i < count; ++i)
-    for (int j = 0; j <= i; ++j) whole(i, j) = whole(j, i) = lower.line(i)[j];
+    for (int j = 0; j <= i; ++j) whole(i, j) = whole(j, i) = scale * lower.line(i)[j];
   return whole;
 }
 
@@ -171,16 +171,13 @@ Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& u
   std::vector<Eigen::MatrixXd> of_gate(gates);
   parallel_for(gates, 1, [&](std::size_t g, std::size_t) {
     const Eigen::VectorXd numbers = layout.at_gate(g, unknowns);
-    of_gate[g] =
-        symmetric(squares_of_derivatives(problem, rays, g, numbers, at.activity[g], chosen), layout.gate.count());
+    of_gate[g] = symmetric(squares_of_derivatives(problem, rays, g, numbers, at.activity[g], chosen),
+                           layout.gate.count(), every);
   });
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(layout.unknowns, layout.unknowns);
-  layout.add_hessian(of_gate, matrix);
-  matrix *= every;
-  return matrix;
+  return layout.hessian(of_gate);
 }
 
-Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
+PriorMatrix prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at) {
   const BeatLayout& layout = problem.layout;
   const std::size_t gates = layout.gates;
   std::vector<Eigen::VectorXd> of_wall(gates);
@@ -188,21 +185,43 @@ Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& 
     const Eigen::VectorXd numbers = layout.at_gate(g, unknowns);
     of_wall[g] = backpropagate(problem.cells, layout.gate, numbers, at.activity[g], {}, 0, 1);
   });
-  Eigen::MatrixXd matrix = layout.spread.cwiseAbs2().cwiseInverse().asDiagonal();
   Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(layout.unknowns, layout.gates);
   for (std::size_t g = 0; g < gates; ++g) {
     Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
     layout.add_gradient(g, of_wall[g], column);
     walls.col(g) = column;
   }
-  const Eigen::MatrixXd deviations = product(walls, wall_cycle(problem, at.activity).by_volume.transpose());
-  matrix += product(deviations, deviations.transpose());
-  for (const WallTerm& term : wall_terms(problem, layout.at_gates(unknowns))) {
+  const std::vector<WallTerm> terms = wall_terms(problem, layout.at_gates(unknowns));
+  PriorMatrix priors{layout.spread.cwiseAbs2().cwiseInverse(),
+                     product(walls, wall_cycle(problem, at.activity).by_volume.transpose()),
+                     Eigen::MatrixXd::Zero(layout.unknowns, terms.size())};
+  for (std::size_t t = 0; t < terms.size(); ++t) {
     Eigen::VectorXd column = Eigen::VectorXd::Zero(layout.unknowns);
-    layout.add_gradient(term.gate, term.by_number, column);
-    matrix += column * column.transpose();
+    layout.add_gradient(terms[t].gate, terms[t].by_number, column);
+    priors.terms.col(t) = column;
   }
-  return matrix;
+  return priors;
+}
+
+RowMatrix NormalMatrix::whole(double noise) const {
+  constexpr std::size_t rows_at_once = 32;
+  const std::size_t count = data.rows();
+  RowMatrix sum(count, count);
+  parallel_for(count, rows_at_once, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      double* const row = &sum(i, 0);
+      std::fill_n(row, i + 1, 0.0);
+      for (const Eigen::MatrixXd* part : {&priors.cycle, &priors.terms}) {
+        const Eigen::VectorXd factor = part->row(i);
+        detail::add_lines(row, i + 1, part->data(), count, factor.data(), factor.size());
+        if (part == &priors.cycle) row[i] += priors.diagonal[i];
+      }
+    }
+    // Down the columns of the data, few rows at a time.
+    for (std::size_t j = 0; j < end; ++j)
+      for (std::size_t i = std::max(begin, j); i < end; ++i) sum(i, j) += data(i, j) / noise;
+  });
+  return sum;
 }
 
 void minimise(const BeatProblem& problem, Solution& solution, int most_steps, double tolerance,
@@ -221,7 +240,7 @@ void minimise(const BeatProblem& problem, Solution& solution, int most_steps, do
                        prior_matrix(problem, solution.unknowns, solution.objective)};
     whole = solution.matrix.whole(problem.noise);
   };
-  if (solution.matrix.priors.rows() != solution.unknowns.size())
+  if (solution.matrix.priors.diagonal.size() != solution.unknowns.size())
     renew();
   else
     whole = solution.matrix.whole(problem.noise);

@@ -136,21 +136,24 @@ void BeatLayout::add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::Vect
     for (const Term& t : terms[g][i]) of_beat[t.unknown] += t.factor * of_gate[i];
 }
 
-void BeatLayout::add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen::MatrixXd& of_beat) const {
+Eigen::MatrixXd BeatLayout::hessian(const std::vector<Eigen::MatrixXd>& of_gates) const {
+  Eigen::MatrixXd of_beat(unknowns, unknowns);
   // Every unknown belongs to one number, so that the columns of a number are nobody else's.
   constexpr std::size_t numbers_at_once = 16;
   parallel_for(gate.count(), numbers_at_once, [&](std::size_t begin, std::size_t end) {
     Eigen::VectorXd column(unknowns);
-    for (std::size_t j = begin; j < end; ++j)
+    for (std::size_t j = begin; j < end; ++j) {
+      for (const Term& b : terms[0][j]) of_beat.col(b.unknown).tail(unknowns - b.unknown).setZero();
       for (int g = 0; g < gates; ++g) {
         if (terms[g][j].empty()) continue;
         column.setZero();
         add_gradient(g, of_gates[g].col(j), column);
         for (const Term& b : terms[g][j])
-          // The lower triangle alone; the upper one is its mirror.
           of_beat.col(b.unknown).tail(unknowns - b.unknown) += b.factor * column.tail(unknowns - b.unknown);
       }
+    }
   });
+  return of_beat;
 }
 
 BeatLayout make_beat_layout(const GateLayout& gate, const std::vector<Eigen::VectorXd>& start, const Priors& beliefs,

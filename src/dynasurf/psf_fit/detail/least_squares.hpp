@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/progress.hpp"
 #include "dynasurf/psf_fit/detail/beat_problem.hpp"
+#include "dynasurf/psf_fit/detail/cholesky.hpp"
 
 namespace dynasurf::psf_fit {
 
@@ -23,17 +24,23 @@ Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns)
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
 Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
-/// Gauss-Newton matrix of the objective at some unknowns, in parts. That of the data is for a noise of 1; its
-/// derivatives of the image are those of point sources on the walls.
-struct NormalMatrix {
-  Eigen::MatrixXd data, priors;
-  int age = 0;  // steps taken since
-  Eigen::MatrixXd whole(double noise) const { return data / noise + priors; }
+/// What is believed in a Gauss-Newton matrix: diagonal + cycle cycle' + terms terms'.
+struct PriorMatrix {
+  Eigen::VectorXd diagonal;
+  Eigen::MatrixXd cycle, terms;  // [unknown][deviation of the muscle's volumes, wall term]
 };
-/// The part of the data from every n-th pixel, n = `every`, scaled up to all pixels; its lower triangle.
+/// Gauss-Newton matrix of the objective at some unknowns, in parts. That of the data is for a noise of 1; its
+/// derivatives of the image are those of point sources on the walls. Of all matrices there is the lower triangle alone.
+struct NormalMatrix {
+  Eigen::MatrixXd data;
+  PriorMatrix priors;
+  int age = 0;  // steps taken since
+  RowMatrix whole(double noise) const;
+};
+/// The part of the data from every n-th pixel, n = `every`, scaled up to all pixels.
 Eigen::MatrixXd data_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at,
                             int every);
-Eigen::MatrixXd prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
+PriorMatrix prior_matrix(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
 /// Where a minimisation stands.
 struct Solution {

@@ -60,8 +60,8 @@ struct BeatLayout {
   Eigen::VectorXd at_gate(int g, const Eigen::VectorXd& unknowns_of_beat) const;
   std::vector<Eigen::VectorXd> at_gates(const Eigen::VectorXd& unknowns_of_beat) const;
   void add_gradient(int g, const Eigen::VectorXd& of_gate, Eigen::VectorXd& of_beat) const;
-  /// Of all gates, to the lower triangle.
-  void add_hessian(const std::vector<Eigen::MatrixXd>& of_gates, Eigen::MatrixXd& of_beat) const;
+  /// The lower triangle of all gates' Hessians together; the upper one is not set.
+  Eigen::MatrixXd hessian(const std::vector<Eigen::MatrixXd>& of_gates) const;
 };
 
 /// What is believed before the data are seen: standard deviations of the model's numbers.
