@@ -12,6 +12,7 @@
 
 #include "dynasurf/core/detail/memory_limit.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_dictionary.hpp"
 #include "dynasurf/io/detail/machine_memory.hpp"
 
 #include "command.hpp"
@@ -131,6 +132,7 @@ ExitCode run_and_report(int argc, char** argv) {
 }  // namespace dynasurf::app
 
 int main(int argc, char** argv) {
+  dynasurf::io::dicom::leave_dictionary_unread();
   dynasurf::app::tell_last_words();
   dynasurf::app::prepare_process();
   return dynasurf::app::run_and_report(argc, argv);

@@ -220,7 +220,8 @@ class Attributes {
   bool has(const DcmTagKey& tag) const { return find(tag) != nullptr; }
 
   [[noreturn]] void refuse(const DcmTagKey& tag, const char* what) const {
-    throw InputError(where_ + ": " + DcmTag(tag).getTagName() + " " + tag.toString().c_str() + " " + what);
+    throw InputError(where_ + ": " + dicom::name_of(tag.getGroup() << 16 | tag.getElement()) + " " +
+                     tag.toString().c_str() + " " + what);
   }
 
  private:

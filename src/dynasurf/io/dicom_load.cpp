@@ -18,7 +18,8 @@ E_TransferSyntax syntax_of(const DicomOutline& outline) {
 }  // namespace
 
 std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const DicomOutline& outline) {
-  require_dictionary();
+  // Values of unknown kind in sequences were asked for when the outline was made.
+  outline.explicit_vr ? prepare_dcmtk() : require_dictionary();
   FileWindow file(path);
   std::vector<std::byte> bytes;
   for (const FilePiece& piece : outline.wanted) {

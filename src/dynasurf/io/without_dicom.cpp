@@ -1,6 +1,7 @@
 // What stands in for DICOM in a build without DCMTK (DYNASURF_WITH_DICOM=OFF).
 
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/io/detail/dicom_dictionary.hpp"
 #include "dynasurf/io/detail/dicom_results.hpp"
 #include "dynasurf/io/detail/dicom_search.hpp"
 #include "dynasurf/io/detail/formats.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 }  // namespace
 
+void dicom::leave_dictionary_unread() {}
 Study read_dicom(const std::filesystem::path& path, const std::string&) { refuse(path); }
 std::vector<std::filesystem::path> files_of_dicom(const std::filesystem::path& path, const std::string&) {
   refuse(path);

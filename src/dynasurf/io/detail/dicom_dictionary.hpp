@@ -1,16 +1,25 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 namespace dynasurf::io::dicom {
 
-/// From here on DCMTK does not print: a library does not, and an error is one line. Its dictionary is loaded. Throws
-/// std::bad_alloc where that does not fit.
+/// Leaves DCMTK's dictionary unread until something asks for it: reading it takes longer than all of a study that tells
+/// the kinds of its values. For the beginning of a program, before it has threads, as it changes the environment
+/// meanwhile.
+void leave_dictionary_unread();
+
+/// From here on DCMTK does not print: a library does not, and an error is one line. Its dictionary is read unless it
+/// was left. Throws std::bad_alloc where that does not fit.
 void prepare_dcmtk();
 
-/// The same, and throws IoError where there is no dictionary.
+/// The same with the dictionary. Throws IoError where there is none.
 void require_dictionary();
 
 /// Whether DCMTK's dictionary knows this tag as a sequence. Throws IoError when there is no dictionary.
 bool is_sequence(std::uint32_t tag);
+
+/// The dictionary's name of a tag. Throws IoError when there is no dictionary.
+std::string name_of(std::uint32_t tag);
 
 }  // namespace dynasurf::io::dicom

@@ -23,7 +23,7 @@ inline void must(const OFCondition& status, const std::string& doing) {
 /// A sequence item (or the data set) being filled.
 class Item {
  public:
-  explicit Item(DcmItem& item) : item_(&item) { prepare_dcmtk(); }
+  explicit Item(DcmItem& item) : item_(&item) { require_dictionary(); }
 
   void text(const DcmTagKey& tag, const std::string& value) {
     must(item_->putAndInsertString(tag, value.c_str()), name(tag));
