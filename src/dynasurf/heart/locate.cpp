@@ -21,16 +21,15 @@ namespace {
 constexpr double coarse_mm = 7;    // voxels of the search
 constexpr double smooth_mm = 3.5;  // standard deviation of the smoothing before it
 
-/// The image on cubic voxels, in the world's axes of its own grid.
-Image coarsened(const Image& image) {
-  const Grid& from = image.grid;
+/// A smooth image on cubic voxels, in the world's axes of its own grid.
+Image coarsened(const Image& smooth) {
+  const Grid& from = smooth.grid;
   Grid grid = from;
   for (std::size_t a = 0; a < 3; ++a) {
     const double length = from.spacing[a] * (from.dims[a] - 1);
     grid.dims[a] = std::max(2, ceil_int(length / coarse_mm) + 1);
     grid.spacing[a] = coarse_mm;
   }
-  const Image smooth = image::smooth_gaussian(image, smooth_mm);
   Image result(grid);
   parallel_for(grid.dims[2], 1, [&](int begin, int end) {
     for (int k = begin; k < end; ++k)
@@ -234,7 +233,8 @@ void describe_fit(const Image& image, Location& found) {
 }
 
 std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
-  const Image coarse = coarsened(mean);
+  const Image smooth = image::smooth_gaussian(mean, smooth_mm);
+  const Image coarse = coarsened(smooth);
   const double typical = bright_level(coarse);
   if (!(typical > 0)) return std::nullopt;
 
@@ -262,7 +262,6 @@ std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
   std::stable_sort(found.begin(), found.end(),
                    [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
 
-  const Image smooth = image::smooth_gaussian(mean, smooth_mm);
   Location result;
   const LvShell& first = found.front().cup;
   const Scene scene{smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * typical};

@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/image/detail/linear_sampler.hpp"
 
@@ -26,16 +27,27 @@ struct Turn {
 };
 Turn turn_by(double phi) { return {own::cos(phi), own::sin(phi)}; }
 
-/// All the way around in equal steps.
-template <std::size_t count>
-std::array<Turn, count> turns_around() {
-  std::array<Turn, count> turns{};
-  for (std::size_t d = 0; d < count; ++d) turns[d] = turn_by(2 * pi * d / count);
-  return turns;
-}
-
 /// Unit vector square to the axis.
 Vec3 outwards(const ShellBasis& a, const Turn& turn) { return turn.cosine * a.u + turn.sine * a.v; }
+
+/// Those of a score, all the way around in equal steps.
+constexpr std::size_t around = 12;
+struct Sides {
+  std::array<double, around> x, y, z;
+};
+Sides sides_of(const ShellBasis& a) {
+  static const std::array<Turn, around> turns = [] {
+    std::array<Turn, around> all{};
+    for (std::size_t d = 0; d < around; ++d) all[d] = turn_by(2 * pi * d / around);
+    return all;
+  }();
+  Sides sides;
+  for (std::size_t d = 0; d < around; ++d) {
+    const Vec3 out = outwards(a, turns[d]);
+    sides.x[d] = out[0], sides.y[d] = out[1], sides.z[d] = out[2];
+  }
+  return sides;
+}
 
 /// The height of a row of points: theta from the apex.
 struct Row {
@@ -49,6 +61,33 @@ ShellPoint on_cup(const LvShell& cup, const Vec3& out, const Row& row) {
   const Vec3 position = cup.centre + cup.radius_mm * s * out - cup.half_length_mm * c * cup.axis;
   const Vec3 normal = (s / cup.radius_mm * out - c / cup.half_length_mm * cup.axis).normalized();
   return {position, normal};
+}
+
+/// Where coordinates of points are put, one after the other.
+struct Coordinates {
+  double *x, *y, *z;
+};
+
+/// `on_cup` of all sides of a row, for any instruction set: points inside the wall, `apart` places on those outside it,
+/// and as much farther those in its middle.
+DYNASURF_CLONES
+void look_across(const LvShell& cup, const Sides& sides, const Row& row, double inwards, const Coordinates& to,
+                 std::size_t apart) {
+  const double from_axis = cup.radius_mm * row.sine, along = cup.half_length_mm * row.cosine;
+  const double across_part = row.sine / cup.radius_mm, along_part = row.cosine / cup.half_length_mm;
+  const double ax = cup.axis[0], ay = cup.axis[1], az = cup.axis[2];
+  const double cx = cup.centre[0], cy = cup.centre[1], cz = cup.centre[2];
+  double* const __restrict to_x = to.x, * const __restrict to_y = to.y, * const __restrict to_z = to.z;
+  for (std::size_t d = 0; d < around; ++d) {
+    const double x = cx + from_axis * sides.x[d] - along * ax, nx = across_part * sides.x[d] - along_part * ax;
+    const double y = cy + from_axis * sides.y[d] - along * ay, ny = across_part * sides.y[d] - along_part * ay;
+    const double z = cz + from_axis * sides.z[d] - along * az, nz = across_part * sides.z[d] - along_part * az;
+    const double length = std::sqrt(nx * nx + (ny * ny + nz * nz));
+    const double ux = nx / length, uy = ny / length, uz = nz / length;
+    to_x[d] = x - inwards * ux, to_y[d] = y - inwards * uy, to_z[d] = z - inwards * uz;
+    to_x[apart + d] = x + side_mm * ux, to_y[apart + d] = y + side_mm * uy, to_z[apart + d] = z + side_mm * uz;
+    to_x[2 * apart + d] = x, to_y[2 * apart + d] = y, to_z[2 * apart + d] = z;
+  }
 }
 
 Vec3 turned(const Vec3& axis, const Vec3& towards, double angle) {
@@ -113,36 +152,34 @@ LvShell to_grid(const Grid& grid, LvShell cup) {
 }
 
 CupScore score(const Image& image, const LvShell& cup) {
-  constexpr int rows = 5, around = 12;
-  static const std::array<Turn, around> turns = turns_around<around>();
-  constexpr std::size_t points = rows * around + 1, over_base = around + 1;
+  constexpr std::size_t rows = 5, points = rows * around + 1, over_base = around + 1;
   const ShellBasis a = across(cup.axis);
-  const double top = base_angle(cup);
-  std::array<Vec3, around> sides;  // the same for every row: worked out once
-  for (int d = 0; d < around; ++d) sides[d] = outwards(a, turns[d]);
-  const double inwards = std::min(side_mm, 0.9 * cup.radius_mm);
-  image::SampledPoints<3 * points + over_base> at;  // inside, outside and in the wall, in turn, then over the base
-  const auto look = [&](const Row& row, const Vec3& out) {
-    const ShellPoint middle = on_cup(cup, out, row);
-    at.add(middle.position - inwards * middle.normal);
-    at.add(middle.position + side_mm * middle.normal);
-    at.add(middle.position);
-  };
-  look(row_at(0), sides[0]);
-  for (int r = 1; r <= rows; ++r) {
-    const Row row = row_at(top * (r - 0.25) / rows);
-    for (const Vec3& out : sides) look(row, out);
+  const Sides sides = sides_of(a);
+  const double top = base_angle(cup), inwards = std::min(side_mm, 0.9 * cup.radius_mm);
+  image::SampledPoints<3 * points + over_base> at;  // inside, outside, in the wall, then over the base
+  at.count = 3 * points + over_base;
+  const ShellPoint apex = on_cup(cup, a.u, row_at(0));
+  at.put(0, apex.position - inwards * apex.normal);
+  at.put(points, apex.position + side_mm * apex.normal);
+  at.put(2 * points, apex.position);
+  for (std::size_t r = 0; r < rows; ++r) {
+    const std::size_t first = 1 + r * around;
+    const Row row = row_at(top * (r + 0.75) / rows);
+    look_across(cup, sides, row, inwards, {&at.x[first], &at.y[first], &at.z[first]}, points);
   }
-  at.add(cup.base() + 8 * cup.axis);
+  at.put(3 * points, cup.base() + 8 * cup.axis);
   const Row rim = row_at(std::min(top, 2.6));
-  for (const Vec3& out : sides) at.add(on_cup(cup, out, rim).position + 14 * cup.axis);
+  for (std::size_t d = 0; d < around; ++d) {
+    const Vec3 out(sides.x[d], sides.y[d], sides.z[d]);
+    at.put(3 * points + 1 + d, on_cup(cup, out, rim).position + 14 * cup.axis);
+  }
   std::array<double, 3 * points + over_base> value;
   image::LinearSampler{image}(at, value.data());
 
   std::array<double, points> wall, side;
   for (std::size_t n = 0; n < points; ++n) {
-    const double in = value[3 * n], outside = value[3 * n + 1];
-    wall[n] = value[3 * n + 2];
+    const double in = value[n], outside = value[points + n];
+    wall[n] = value[2 * points + n];
     side[n] = 0.75 * std::max(in, outside) + 0.25 * std::min(in, outside);
   }
   CupScore result;

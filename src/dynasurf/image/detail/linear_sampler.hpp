@@ -36,7 +36,8 @@ struct SampledPoints {
   std::array<double, most> x, y, z;
   std::size_t count = 0;
 
-  void add(const Vec3& mm) { x[count] = mm[0], y[count] = mm[1], z[count++] = mm[2]; }
+  void put(std::size_t at, const Vec3& mm) { x[at] = mm[0], y[at] = mm[1], z[at] = mm[2]; }
+  void add(const Vec3& mm) { put(count++, mm); }
 };
 
 /// `sample_linear` of one image at many places: what is the same for all of them is worked out once. Refers to the
