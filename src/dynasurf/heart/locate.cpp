@@ -68,12 +68,14 @@ Candidate best_cup(const Image& image, const Place& place, const std::vector<Vec
   for (const Candidate& t : tries) {
     if (std::any_of(climbed.begin(), climbed.end(), [&](const Vec3& a) { return a.dot(t.cup.axis) > 0.7; })) continue;
     climbed.push_back(t.cup.axis);
-    const LvShell cup = local_search(image, t.cup, 6);
+    const LvShell cup = local_search(image, t.cup, 6, 3);
     const double worth = worth_of(score(image, cup), typical);
     if (worth > best.worth) best = {cup, worth};
     if (climbed.size() == 4) break;
   }
-  return best;
+  if (!(best.worth > 0)) return best;
+  const LvShell cup = local_search(image, best.cup, 1.5);
+  return {cup, worth_of(score(image, cup), typical)};
 }
 
 double bright_level(const Image& image) { return quantile(image.values, 0.995); }

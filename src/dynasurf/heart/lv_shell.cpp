@@ -197,10 +197,10 @@ CupScore score(const Image& image, const LvShell& cup) {
   return result;
 }
 
-LvShell local_search(const Image& image, LvShell cup, double step_mm) {
+LvShell local_search(const Image& image, LvShell cup, double step_mm, double last_mm) {
   double best = score(image, cup).contrast;
   constexpr int passes = 6;
-  for (double step = step_mm; step > 0.7; step /= 2) {
+  for (double step = step_mm; step >= last_mm; step /= 2) {
     int still = 0;  // ways in a row in which nothing rose: after both, all others would be the same again
     for (int n = 0; n < 2 * passes && still < 2; ++n) {
       bool rose = false;
