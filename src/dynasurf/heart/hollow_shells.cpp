@@ -20,7 +20,7 @@ constexpr std::size_t directions = 26;
 constexpr std::size_t worst = 9, best = 4;
 
 /// The most neighbours along a row that are looked at side by side.
-constexpr int most_lanes = 8;
+constexpr int most_lanes = 16;
 
 /// The image with its outermost voxels repeated around it.
 struct Padded {
@@ -92,13 +92,6 @@ constexpr std::array<Comparison, comparison_count()> network = [] {
 }();
 
 template <class V>
-DYNASURF_INLINE V widened(const float* from) {
-  typedef float Narrow __attribute__((vector_size(V::count * sizeof(float))));
-  Narrow values;
-  __builtin_memcpy(&values, from, sizeof values);
-  return __builtin_convertvector(values, typename V::Native);
-}
-template <class V>
 DYNASURF_INLINE V smaller(V a, V b) {
   return simd::where_greater(a, b, b, a);
 }
@@ -119,14 +112,14 @@ DYNASURF_INLINE V worth_of(const float* first, const Shell& shell) {
   V contrast[directions];
   for (std::size_t d = 0; d < directions; ++d) {
     const auto [in, wall, out] = shell.offsets[d];
-    const V inside = widened<V>(first + in), outside = widened<V>(first + out);
-    contrast[d] =
-        widened<V>(first + wall) - V(0.75) * simd::larger(outside, inside) - V(0.25) * smaller(inside, outside);
+    const V inside = simd::load<V>(first + in), outside = simd::load<V>(first + out);
+    contrast[d] = simd::load<V>(first + wall) - V(0.75F) * simd::larger(outside, inside) -
+                  V(0.25F) * smaller(inside, outside);
   }
   sort(contrast, std::make_index_sequence<network.size()>{});
-  V sum = 0.0;
+  V sum = 0.0F;
   for (std::size_t d = worst; d < directions - best; ++d) sum += contrast[d];
-  return sum / V(directions - worst - best);
+  return sum / V(float{directions - worst - best});
 }
 
 }  // namespace
@@ -151,15 +144,14 @@ std::vector<Place> find_places(const Image& coarse) {
   std::vector<Place> all(g.size());
   parallel_for(g.dims[2], 1, [&](int begin, int end) {
     field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
-      constexpr int lanes = native / 2;
-      static_assert(lanes <= most_lanes);
+      static_assert(native <= most_lanes);
       for (int k = begin; k < end; ++k)
         for (int j = 0; j < g.dims[1]; ++j)
-          for (int i = 0; i < g.dims[0]; i += lanes)
+          for (int i = 0; i < g.dims[0]; i += native)
             for (const Shell& shell : shells) {
-              double worth[lanes];
-              simd::store(worth, worth_of<simd::Pack<double, lanes, lanes>>(padded.at(i, j, k), shell));
-              for (int l = 0; l < std::min(lanes, g.dims[0] - i); ++l) {
+              float worth[native];
+              simd::store(worth, worth_of<simd::Pack<float, native, native>>(padded.at(i, j, k), shell));
+              for (int l = 0; l < std::min(native, g.dims[0] - i); ++l) {
                 Place& known = all[g.index(i + l, j, k)];
                 if (worth[l] > known.worth) known = {centre_of(g, {i + l, j, k}), shell.radius_mm, worth[l]};
               }
