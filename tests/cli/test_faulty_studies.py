@@ -10,7 +10,7 @@ import struct
 import unittest
 
 from cli import EDGES, CliTest, run, small_patient, small_result
-from studies import with_elements
+from studies import with_elements, with_implicit_kinds
 
 
 def changed_study(path, change):
@@ -49,6 +49,19 @@ class Faults(CliTest):
         self.assertEqual(notes, ["study.hot_voxel"])
         self.assertAlmostEqual(results["edv_ml"], self.usual()["edv_ml"], delta=0.1)
         self.assertAlmostEqual(results["esv_ml"], self.usual()["esv_ml"], delta=0.1)
+
+    def test_files_that_tell_the_kinds_of_their_values_need_no_dictionary(self):
+        (self.folder / "explicit.dcm").write_bytes((small_patient() / "study.dcm").read_bytes())
+        (self.folder / "implicit.dcm").write_bytes(with_implicit_kinds((small_patient() / "study.dcm").read_bytes()))
+        usual = run("info", "explicit.dcm", cwd=self.folder)
+        self.assertEqual(usual.returncode, 0, usual.stderr)
+        implicit = run("info", "implicit.dcm", cwd=self.folder)
+        self.assertEqual(implicit.stdout.replace("implicit", "explicit"), usual.stdout)
+        without = dict(os.environ, DCMDICTPATH=str(self.folder / "nothing"))
+        self.assertEqual(run("info", "explicit.dcm", cwd=self.folder, env=without).stdout, usual.stdout)
+        refused = run("info", "implicit.dcm", cwd=self.folder, env=without)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("dictionary dicom.dic is not found", refused.stderr)
 
     def test_an_empty_gate_is_bridged_and_doubted(self):
         def change(values, nx, ny, nz):

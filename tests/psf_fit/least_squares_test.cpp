@@ -145,14 +145,26 @@ TEST(DataMatrix, OfEveryOtherPixelIsThatOfAllOnceTheImageIsBlurred) {
 TEST(PriorMatrix, HoldsTheSpreadsOfThePriors) {
   Eigen::VectorXd unknowns;
   const BeatProblem problem = round_problem(unknowns);
-  const Eigen::MatrixXd matrix = prior_matrix(problem, unknowns, objective_value(problem, unknowns));
-  EXPECT_LT((matrix - matrix.transpose()).cwiseAbs().maxCoeff(), 1e-9 * matrix.cwiseAbs().maxCoeff());
-  // What the muscle's volume and thickness add is a sum of squares.
-  const Eigen::MatrixXd spreads = problem.layout.spread.cwiseAbs2().cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd rest = matrix - spreads;
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rest).eigenvalues().minCoeff();
-  EXPECT_GT(least, -1e-9 * matrix.cwiseAbs().maxCoeff());
-  EXPECT_GT(rest.trace(), 0);
+  const PriorMatrix priors = prior_matrix(problem, unknowns, objective_value(problem, unknowns));
+  EXPECT_EQ(priors.diagonal, problem.layout.spread.cwiseAbs2().cwiseInverse());
+  ASSERT_EQ(priors.cycle.rows(), unknowns.size());
+  ASSERT_EQ(priors.cycle.cols(), problem.layout.gates);
+  // Deviations from a mean add up to nothing.
+  EXPECT_GT(priors.cycle.norm(), 0);
+  EXPECT_LT(priors.cycle.rowwise().sum().norm(), 1e-9 * priors.cycle.norm());
+}
+
+TEST(NormalMatrix, IsTheSumOfItsParts) {
+  constexpr Eigen::Index count = 75;  // no multiple of the rows that are done together
+  std::srand(1);
+  const Eigen::MatrixXd data = Eigen::MatrixXd::Random(count, count), cycle = Eigen::MatrixXd::Random(count, 9),
+                        terms = Eigen::MatrixXd::Random(count, 2);
+  const Eigen::VectorXd diagonal = Eigen::VectorXd::Random(count);
+  const RowMatrix whole = NormalMatrix{data, {diagonal, cycle, terms}}.whole(0.25);
+  Eigen::MatrixXd expected = 4 * data + cycle * cycle.transpose() + terms * terms.transpose();
+  expected.diagonal() += diagonal;
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) EXPECT_NEAR(whole(i, j), expected(i, j), 1e-12) << i << ' ' << j;
 }
 
 TEST(Minimise, FindsTheUnknownsThatMadeTheImage) {
