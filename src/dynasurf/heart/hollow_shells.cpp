@@ -113,8 +113,8 @@ DYNASURF_INLINE V worth_of(const float* first, const Shell& shell) {
   for (std::size_t d = 0; d < directions; ++d) {
     const auto [in, wall, out] = shell.offsets[d];
     const V inside = simd::load<V>(first + in), outside = simd::load<V>(first + out);
-    contrast[d] = simd::load<V>(first + wall) - V(0.75F) * simd::larger(outside, inside) -
-                  V(0.25F) * smaller(inside, outside);
+    contrast[d] =
+        simd::load<V>(first + wall) - V(0.75F) * simd::larger(outside, inside) - V(0.25F) * smaller(inside, outside);
   }
   sort(contrast, std::make_index_sequence<network.size()>{});
   V sum = 0.0F;
