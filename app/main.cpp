@@ -111,6 +111,7 @@ ExitCode stopped() {
 
 ExitCode run_and_report(int argc, char** argv) {
   try {
+    io::dicom::leave_dictionary_unread();  // before the first thread
     const Interrupt interrupt;
     return run(argc, argv, interrupt.token());
   } catch (const OptionError& error) {
@@ -132,7 +133,6 @@ ExitCode run_and_report(int argc, char** argv) {
 }  // namespace dynasurf::app
 
 int main(int argc, char** argv) {
-  dynasurf::io::dicom::leave_dictionary_unread();
   dynasurf::app::tell_last_words();
   dynasurf::app::prepare_process();
   return dynasurf::app::run_and_report(argc, argv);
