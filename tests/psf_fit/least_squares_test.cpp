@@ -152,6 +152,14 @@ TEST(PriorMatrix, HoldsTheSpreadsOfThePriors) {
   // Deviations from a mean add up to nothing.
   EXPECT_GT(priors.cycle.norm(), 0);
   EXPECT_LT(priors.cycle.rowwise().sum().norm(), 1e-9 * priors.cycle.norm());
+  // What the muscle's volume and thickness add is a sum of squares.
+  const Eigen::MatrixXd nothing = Eigen::MatrixXd::Zero(unknowns.size(), unknowns.size());
+  const Eigen::MatrixXd matrix = NormalMatrix{nothing, priors}.whole(1).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd spreads = priors.diagonal.asDiagonal();
+  const Eigen::MatrixXd rest = matrix - spreads;
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(rest).eigenvalues().minCoeff();
+  EXPECT_GT(least, -1e-9 * matrix.cwiseAbs().maxCoeff());
+  EXPECT_GT(rest.trace(), 0);
 }
 
 TEST(NormalMatrix, IsTheSumOfItsParts) {

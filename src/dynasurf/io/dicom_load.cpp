@@ -18,7 +18,8 @@ E_TransferSyntax syntax_of(const DicomOutline& outline) {
 }  // namespace
 
 std::unique_ptr<DcmDataset> load_wanted(const std::filesystem::path& path, const DicomOutline& outline) {
-  // Values of unknown kind in sequences were asked for when the outline was made.
+  // An explicit file may still hold implicit values, in sequences of kind UN. Whoever made the outline of those has
+  // asked the dictionary, so it is there.
   outline.explicit_vr ? prepare_dcmtk() : require_dictionary();
   FileWindow file(path);
   std::vector<std::byte> bytes;

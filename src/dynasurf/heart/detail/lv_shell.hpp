@@ -56,7 +56,7 @@ struct CupScore {
 CupScore score(const Image& image, const LvShell& cup);
 
 /// Moves, turns and resizes the cup by steps that halve down to `last_mm`, as long as its score rises. Its size stays
-/// within what hearts have: radius 12 to 60 mm, length to radius 1 to 2.2.
+/// within what hearts have: radius 12 to 60 mm, length to radius 1 to 2.8.
 LvShell local_search(const Image& image, LvShell cup, double step_mm, double last_mm = 0.7);
 
 /// Share of the wall's outer side that lies outside the volume: 0 for a heart that is all in view. Grid frame.

@@ -4,9 +4,9 @@
 
 namespace dynasurf::io::dicom {
 
-/// Leaves DCMTK's dictionary unread until something asks for it: reading it takes longer than all of a study that tells
-/// the kinds of its values. For the beginning of a program, before it has threads, as it changes the environment
-/// meanwhile.
+/// Puts off reading DCMTK's dictionary until it is needed. That takes 20 ms, and files with explicit value
+/// representations need none. Call it at the start of a program, before there are threads: it changes an environment
+/// variable and puts it back.
 void leave_dictionary_unread();
 
 /// From here on DCMTK does not print: a library does not, and an error is one line. Its dictionary is read unless it

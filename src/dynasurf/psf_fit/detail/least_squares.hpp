@@ -24,13 +24,15 @@ Objective objective(const BeatProblem& problem, const Eigen::VectorXd& unknowns)
 Objective objective_value(const BeatProblem& problem, const Eigen::VectorXd& unknowns);
 Eigen::VectorXd objective_gradient(const BeatProblem& problem, const Eigen::VectorXd& unknowns, const Objective& at);
 
-/// What is believed in a Gauss-Newton matrix: diagonal + cycle cycle' + terms terms'.
+/// The part of the priors in a Gauss-Newton matrix: a diagonal D and two products of a few columns, D + C C' + T T'.
 struct PriorMatrix {
-  Eigen::VectorXd diagonal;
-  Eigen::MatrixXd cycle, terms;  // [unknown][deviation of the muscle's volumes, wall term]
+  Eigen::VectorXd diagonal;  // D, 1 / variance of each unknown's prior
+  Eigen::MatrixXd cycle;     // C, [unknown][gate]: the muscle's volume against its mean over the beat
+  Eigen::MatrixXd terms;     // T, [unknown][wall term]
 };
 /// Gauss-Newton matrix of the objective at some unknowns, in parts. That of the data is for a noise of 1; its
-/// derivatives of the image are those of point sources on the walls. Of all matrices there is the lower triangle alone.
+/// derivatives of the image are those of point sources on the walls. Only the lower triangles of `data` and `whole` are
+/// set.
 struct NormalMatrix {
   Eigen::MatrixXd data;
   PriorMatrix priors;
