@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "dynasurf/core/detail/rounding.hpp"
+#include "dynasurf/core/detail/visit_marked.hpp"
 #include "dynasurf/core/parallel.hpp"
 #include "dynasurf/mesh/closest_point.hpp"
 #include "dynasurf/mesh/measures.hpp"
@@ -18,6 +19,8 @@ int nearest_index(double x, int count) { return whole_within(x + 0.5, count); }
 
 double square(double x) { return x * x; }
 
+bool is_marked(float voxel) { return voxel != 0; }
+
 template <class Distance>
 std::vector<double> for_all_vertices(const TriMesh& mesh, Distance&& distance) {
   std::vector<double> result(mesh.vertices.size());
@@ -29,28 +32,26 @@ std::vector<double> for_all_vertices(const TriMesh& mesh, Distance&& distance) {
 
 }  // namespace
 
-BorderDistance::BorderDistance(const Image& border)
-    : grid_(border.grid), before_(border.values.size(), -1), after_(border.values.size(), -1) {
-  const std::size_t width = grid_.dims[0];
-  for (std::size_t row = 0; row < border.values.size(); row += width) {
-    std::int32_t last = -1;
-    for (std::size_t i = 0; i < width; ++i) {
-      if (border.values[row + i] != 0) last = i, empty_ = false;
-      before_[row + i] = last;
-    }
-    last = -1;
-    for (std::size_t i = width; i > 0;) {
-      --i;
-      if (border.values[row + i] != 0) last = i;
-      after_[row + i] = last;
-    }
+BorderDistance::BorderDistance(const Image& border) : grid_(border.grid) {
+  const int height = grid_.dims[1];
+  std::vector<int> rows;  // of each column
+  for (int k = 0; k < grid_.dims[2]; ++k) {
+    rows.clear();
+    visit_marked(border, k, is_marked, [&](int i, int j) {
+      columns_.push_back(i);
+      rows.push_back(j);
+    });
+    const std::size_t first = columns_.size() - rows.size();
+    for (int j = 0; j < height; ++j)
+      row_begin_.push_back(first + (std::lower_bound(rows.begin(), rows.end(), j) - rows.begin()));
   }
+  row_begin_.push_back(columns_.size());
 }
 
 // Rows of voxels are visited in square rings around the row of the point. A row in ring r is at least r - 1/2 voxels
 // away, so the search ends once that is farther than the best voxel found.
 double BorderDistance::distance(const Vec3& p, const Vec3& scale, double limit) const {
-  if (empty_ || !p.allFinite()) return std::numeric_limits<double>::infinity();
+  if (columns_.empty() || !p.allFinite()) return std::numeric_limits<double>::infinity();
   const int ci = nearest_index(p[0], grid_.dims[0]), cj = nearest_index(p[1], grid_.dims[1]),
             ck = nearest_index(p[2], grid_.dims[2]);
   double best = std::isinf(limit) ? limit : square(limit);
@@ -59,14 +60,18 @@ double BorderDistance::distance(const Vec3& p, const Vec3& scale, double limit) 
     if (j < 0 || k < 0 || j >= grid_.dims[1] || k >= grid_.dims[2]) return;
     const double across = square(scale[1] * (p[1] - j)) + square(scale[2] * (p[2] - k));
     if (across > best) return;
-    const std::size_t here = grid_.index(ci, j, k);
-    for (const std::int32_t i : {before_[here], after_[here]}) {
-      if (i < 0) continue;
+    const auto try_voxel = [&](int i) {
       const double d = across + square(scale[0] * (p[0] - i));
-      if (d > best) continue;
+      if (d > best) return;
       best = d;
       found = true;
-    }
+    };
+    // The nearest of a row are the last one before column ci and the first one from it on.
+    const std::size_t row = static_cast<std::size_t>(k) * grid_.dims[1] + j;
+    const auto begin = columns_.begin() + row_begin_[row], end = columns_.begin() + row_begin_[row + 1];
+    const auto after = std::lower_bound(begin, end, ci);
+    if (after != begin) try_voxel(*(after - 1));
+    if (after != end) try_voxel(*after);
   };
 
   try_row(cj, ck);
@@ -121,8 +126,8 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
         }
   }
   std::size_t all = 0, near = 0;
-  for (std::size_t v = 0; v < reached.size(); ++v)
-    if (border.values[v] != 0) ++all, near += reached[v];
+  for (int k = 0; k < g.dims[2]; ++k)
+    visit_marked(border, k, is_marked, [&](int i, int j) { ++all, near += reached[g.index(i, j, k)]; });
   return all > 0 ? 1.0 * near / all : 1;
 }
 

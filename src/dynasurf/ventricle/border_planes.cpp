@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
+#include "dynasurf/core/detail/visit_marked.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -46,20 +47,20 @@ dynamics::BorderPlanes border_planes(const Image& border, Border wall, const Lab
                                      const image::EdgeMap& edges, int base_slice) {
   dynamics::BorderPlanes planes{border.grid, {}};
   const Grid& grid = labels.borders.grid;
-  // The border's grid is the labels' grown by whole voxels.
+  // The border's grid is the labels' grown by whole voxels, which are not of the border.
   const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
   const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const double half_slice = grid.spacing[2] / 2;
+  const auto is_marked = [](float voxel) { return voxel != 0; };
   for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i) {
-        const std::size_t voxel = border.grid.index(i + shift[0], j + shift[1], k + shift[2]);
-        if (border.values[voxel] == 0) continue;
-        const bool on_edge = (labels.borders(i, j, k) & bit) != 0;
-        const double face = k == base_slice ? half_slice : -half_slice;
-        planes.planes.push_back(on_edge ? plane_of_edge(edges.gradient, labels.axis, {i, j, k}, voxel)
-                                        : plane_of(voxel, {0, 0, face}, {0, 0, 1}));
-      }
+    visit_marked(border, k + shift[2], is_marked, [&](int border_i, int border_j) {
+      const int i = border_i - shift[0], j = border_j - shift[1];
+      const std::size_t voxel = border.grid.index(border_i, border_j, k + shift[2]);
+      const bool on_edge = (labels.borders(i, j, k) & bit) != 0;
+      const double face = k == base_slice ? half_slice : -half_slice;
+      planes.planes.push_back(on_edge ? plane_of_edge(edges.gradient, labels.axis, {i, j, k}, voxel)
+                                      : plane_of(voxel, {0, 0, face}, {0, 0, 1}));
+    });
   return planes;
 }
 

@@ -10,9 +10,13 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/detail/visit_marked.hpp"
+#include "dynasurf/image/detail/components.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
+
+using image::Pixel;
 
 constexpr int directions = 64;
 constexpr double turn = 2 * std::numbers::pi;
@@ -31,15 +35,13 @@ double wall_brightness(const Image& image, const Circle& circle, int k) {
   return sum / directions;
 }
 
-struct Pixel {
-  int i, j;
-};
-
 std::vector<Pixel> border_pixels(const Image& border, int k) {
   std::vector<Pixel> pixels;
-  for (int j = 0; j < border.grid.dims[1]; ++j)
-    for (int i = 0; i < border.grid.dims[0]; ++i)
-      if (border(i, j, k) > 0) pixels.push_back({i, j});
+  visit_marked(
+      border, k, [](float voxel) { return voxel > 0; },
+      [&](int i, int j) {
+        pixels.push_back({i, j});
+      });
   return pixels;
 }
 
@@ -58,35 +60,44 @@ void bridge_gaps(RadiusOf& radius) {
   }
 }
 
-/// Fills the inside of the ring in slice `k`, drawn from that slice and, where it has gaps, from `others` in order.
-void fill_disc(Image& border, int k, const std::vector<int>& others) {
-  std::vector<std::vector<Pixel>> rings{border_pixels(border, k)};
-  for (int other : others) rings.push_back(border_pixels(border, other));
-  const auto first = std::find_if(rings.begin(), rings.end(), [](const auto& ring) { return !ring.empty(); });
-  if (first == rings.end()) return;
-  double x = 0, y = 0;
-  for (const Pixel& p : *first) x += p.i, y += p.j;
-  x /= first->size(), y /= first->size();
+int direction_of(double x, double y) { return round_int((own::atan2(y, x) / turn + 1) * directions) % directions; }
 
+/// The radii of a ring around a point, in the directions in which it has pixels.
+RadiusOf radii_of(const std::vector<Pixel>& ring, const image::PixelMean& centre) {
+  RadiusOf radii;
+  for (const Pixel& p : ring) {
+    const double x = p.i - centre.x_px, y = p.j - centre.y_px;
+    auto& r = radii[direction_of(x, y)];
+    // Where a direction holds several pixels the outermost counts: the disc reaches to the outside of the ring.
+    r = std::max(r.value_or(0), own::hypot(x, y));
+  }
+  return radii;
+}
+
+/// Fills the inside of the ring in the first of `slices`, drawn from that slice and, where it has gaps, from the others
+/// in order.
+void fill_disc(Image& border, const std::vector<int>& slices) {
+  std::optional<image::PixelMean> centre;
   RadiusOf radius;
-  for (const auto& ring : rings) {
-    RadiusOf here;
-    for (const Pixel& p : ring) {
-      const double angle = own::atan2(p.j - y, p.i - x);
-      auto& r = here[round_int((angle / turn + 1) * directions) % directions];
-      // Where a direction holds several pixels the outermost counts: the disc reaches to the outside of the ring.
-      r = std::max(r.value_or(0), own::hypot(p.i - x, p.j - y));
-    }
+  const auto has_gaps = [&] { return std::find(radius.begin(), radius.end(), std::nullopt) != radius.end(); };
+  for (std::size_t n = 0; n < slices.size() && has_gaps(); ++n) {
+    const std::vector<Pixel> ring = border_pixels(border, slices[n]);
+    if (ring.empty()) continue;
+    if (!centre) centre = image::mean_of(ring);
+    const RadiusOf here = radii_of(ring, *centre);
     for (std::size_t d = 0; d < directions; ++d)
       if (!radius[d]) radius[d] = here[d];
   }
+  if (!centre) return;
   bridge_gaps(radius);
+  double longest = 0;
+  for (const auto& r : radius) longest = std::max(longest, *r);
   for (int j = 0; j < border.grid.dims[1]; ++j)
     for (int i = 0; i < border.grid.dims[0]; ++i) {
-      const double angle = own::atan2(j - y, i - x);
-      const int d = round_int((angle / turn + 1) * directions) % directions;
+      const double x = i - centre->x_px, y = j - centre->y_px;
+      if (std::max(std::abs(x), std::abs(y)) > longest + 1) continue;
       // Rounding must not leave the ring itself out.
-      if (own::hypot(i - x, j - y) <= *radius[d] + 1e-9) border(i, j, k) = 1;
+      if (own::hypot(x, y) <= *radius[direction_of(x, y)] + 1e-9) border(i, j, slices[0]) = 1;
     }
 }
 
@@ -136,23 +147,22 @@ Image close_border(const Image& border, int base_slice) {
     if (!border_pixels(closed, k).empty()) lowest = k;
   if (lowest < 0) return closed;
 
-  std::vector<int> below;  // the ring may be torn or lost at the base: what lies nearest below completes it
-  for (int k = base_slice - 1; k >= lowest; --k) below.push_back(k);
-  fill_disc(closed, base_slice, below);
-  fill_disc(closed, lowest, {});
+  std::vector<int> downwards;  // the ring may be torn or lost at the base: what lies nearest below completes it
+  for (int k = base_slice; k >= lowest; --k) downwards.push_back(k);
+  fill_disc(closed, downwards);
+  fill_disc(closed, {lowest});
   return closed;
 }
 
 Image with_room(Image border, int voxels) {
   const Grid& old = border.grid;
   Index3 low{old.dims}, high{-1, -1, -1};
+  const auto is_marked = [](float voxel) { return voxel != 0; };
   for (int k = 0; k < old.dims[2]; ++k)
-    for (int j = 0; j < old.dims[1]; ++j)
-      for (int i = 0; i < old.dims[0]; ++i) {
-        if (border(i, j, k) == 0) continue;
-        const Index3 at{i, j, k};
-        for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], at[a]), high[a] = std::max(high[a], at[a]);
-      }
+    visit_marked(border, k, is_marked, [&](int i, int j) {
+      const Index3 at{i, j, k};
+      for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], at[a]), high[a] = std::max(high[a], at[a]);
+    });
   if (high[0] < 0) return border;
 
   Grid grid = old;

@@ -5,6 +5,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/detail/visit_marked.hpp"
 #include "dynasurf/heart/detail/smooth_cycle.hpp"
 
 namespace dynasurf::ventricle {
@@ -18,13 +19,12 @@ std::optional<double> mean_radius_mm(const Labels& labels, Border wall, int base
   const Grid& grid = labels.borders.grid;
   double sum = 0;
   int count = 0;
+  const auto is_marked = [bit = bit_of(wall)](std::uint8_t voxel) { return (voxel & bit) != 0; };
   for (int k = 0; k < grid.dims[2] && (base_slice < 0 || k <= base_slice); ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i)
-        if ((labels.borders(i, j, k) & bit_of(wall)) != 0) {
-          sum += own::hypot((i - labels.axis.x_at(k)) * grid.spacing[0], (j - labels.axis.y_at(k)) * grid.spacing[1]);
-          ++count;
-        }
+    visit_marked(labels.borders, k, is_marked, [&](int i, int j) {
+      sum += own::hypot((i - labels.axis.x_at(k)) * grid.spacing[0], (j - labels.axis.y_at(k)) * grid.spacing[1]);
+      ++count;
+    });
   if (count == 0) return std::nullopt;
   return sum / count;
 }

@@ -26,9 +26,9 @@ class BorderDistance {
   double distance(const Vec3& index, const Vec3& scale, double limit) const;
 
   Grid grid_;
-  bool empty_ = true;
-  // For every voxel the nearest border voxel of its row along i, at or before it and at or after it; -1: none.
-  std::vector<std::int32_t> before_, after_;
+  // The columns of the border voxels, row after row along i, and where each row begins among them; one past the last.
+  std::vector<std::int32_t> columns_;
+  std::vector<std::size_t> row_begin_;
 };
 
 }  // namespace dynasurf::mesh

@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/detail/visit_marked.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -122,12 +123,12 @@ Circle coarse_circle(const Grid& grid, const CoarseCircle& o) {
 }
 
 Mask clip(Mask edges, const Axis& axis, double radius_px) {
+  const auto is_marked = [](std::uint8_t voxel) { return voxel != 0; };
   for (int k = 0; k < edges.grid.dims[2]; ++k)
-    for (int j = 0; j < edges.grid.dims[1]; ++j)
-      for (int i = 0; i < edges.grid.dims[0]; ++i) {
-        const double dx = i - axis.x_at(k), dy = j - axis.y_at(k);
-        if (dx * dx + dy * dy > radius_px * radius_px) edges(i, j, k) = 0;
-      }
+    visit_marked(edges, k, is_marked, [&](int i, int j) {
+      const double dx = i - axis.x_at(k), dy = j - axis.y_at(k);
+      if (dx * dx + dy * dy > radius_px * radius_px) edges(i, j, k) = 0;
+    });
   return edges;
 }
 
