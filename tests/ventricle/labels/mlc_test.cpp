@@ -1,6 +1,8 @@
 #include "dynasurf/ventricle/labels/detail/mlc.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +102,8 @@ TEST(SplitByGradient, CutsAnEdgeThatRunsAroundAnOpenWall) {
   image::Component horseshoe{0, {}};
   for (const image::Component& part : {arc(8, 0, -120, 120), arc(14, 0, -120, 120)})
     horseshoe.pixels.insert(horseshoe.pixels.end(), part.pixels.begin(), part.pixels.end());
+  std::sort(horseshoe.pixels.begin(), horseshoe.pixels.end(),
+            [](const image::Pixel& a, const image::Pixel& b) { return std::tie(a.j, a.i) < std::tie(b.j, b.i); });
   const SidedEdges sided = split_by_gradient(stack({horseshoe}, 1), ring(8, 14, 1), middle, 8);
   ASSERT_EQ(sided.endo[0].size(), 1U);
   ASSERT_EQ(sided.epi[0].size(), 1U);

@@ -8,6 +8,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/detail/visit_marked.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::ventricle {
@@ -103,7 +104,8 @@ Gradient sobel(const Image& m, int i, int j, int k) {
           (at(-1, 1) + 2 * at(0, 1) + at(1, 1) - at(-1, -1) - 2 * at(0, -1) - at(1, -1)) / 8};
 }
 
-/// The side of every pixel of an edge: +1 brighter outwards, -1 darker outwards, 0 neither.
+/// The side of every pixel of an edge: +1 brighter outwards, -1 darker outwards, 0 neither. The pixels are in the order
+/// of the slice, so those of the rows beside one lie around it.
 std::vector<int> sides_of(const image::Component& edge, const Image& image, const Axis& axis) {
   const double x = axis.x_at(edge.slice), y = axis.y_at(edge.slice);
   std::vector<double> outwards, strength;
@@ -114,10 +116,12 @@ std::vector<int> sides_of(const image::Component& edge, const Image& image, cons
     strength.push_back(std::sqrt(g.x * g.x + g.y * g.y));
   }
   std::vector<int> sides;
+  std::size_t first = 0;
   for (const image::Pixel& p : edge.pixels) {
     double sum = 0, all = 0;
-    for (std::size_t n = 0; n < edge.pixels.size(); ++n) {
-      if (std::abs(edge.pixels[n].i - p.i) > 1 || std::abs(edge.pixels[n].j - p.j) > 1) continue;
+    while (edge.pixels[first].j < p.j - 1) ++first;
+    for (std::size_t n = first; n < edge.pixels.size() && edge.pixels[n].j <= p.j + 1; ++n) {
+      if (std::abs(edge.pixels[n].i - p.i) > 1) continue;
       sum += outwards[n], all += strength[n];
     }
     sides.push_back(sum > least_cosine * all ? 1 : sum < -least_cosine * all ? -1 : 0);
@@ -169,14 +173,50 @@ constexpr std::size_t window_slices = 2;
 constexpr double window_cosine = 0.866;  // 30 degrees to either side
 constexpr std::size_t least_rays = 5;
 
-/// The distance below which a share `q` of a border lies, within two slices of k and in about the direction of `ray`.
-/// Empty when too few pixels are near.
-std::optional<double> quantile_near(const Rays& border, std::size_t k, const Ray& ray, double q) {
-  std::vector<double> near;
+/// Grows from 0 to 4 with the angle of a direction, from the x axis over the y axis.
+double turn_of(double cosine, double sine) { return sine >= 0 ? 1 - cosine : 3 + cosine; }
+
+/// The rays within two slices of one slice, by turn.
+struct Fan {
+  std::vector<Ray> rays;
+  std::vector<double> turns;
+};
+
+Fan fan_around(const Rays& border, std::size_t k) {
+  Fan fan;
   const std::size_t first = k > window_slices ? k - window_slices : 0;
   for (std::size_t n = first; n <= std::min(border.size() - 1, k + window_slices); ++n)
-    for (const Ray& r : border[n])
-      if (r.cosine * ray.cosine + r.sine * ray.sine > window_cosine) near.push_back(r.distance);
+    fan.rays.insert(fan.rays.end(), border[n].begin(), border[n].end());
+  std::sort(fan.rays.begin(), fan.rays.end(),
+            [](const Ray& a, const Ray& b) { return turn_of(a.cosine, a.sine) < turn_of(b.cosine, b.sine); });
+  for (const Ray& r : fan.rays) fan.turns.push_back(turn_of(r.cosine, r.sine));
+  return fan;
+}
+
+/// The distance below which a share `q` of a border lies, in about the direction of `ray`. Empty when too few pixels
+/// are near.
+std::optional<double> quantile_near(const Fan& fan, const Ray& ray, double q) {
+  // Rays of the window turn by less than 31 degrees; there they are looked for.
+  constexpr double cosine = 0.857, sine = 0.515;
+  const double low = turn_of(cosine * ray.cosine + sine * ray.sine, cosine * ray.sine - sine * ray.cosine),
+               high = turn_of(cosine * ray.cosine - sine * ray.sine, cosine * ray.sine + sine * ray.cosine);
+  const auto at = [&](double turn) {
+    return std::lower_bound(fan.turns.begin(), fan.turns.end(), turn) - fan.turns.begin();
+  };
+  const Index from = at(low), to = at(high), count = fan.rays.size();
+  std::vector<double> near;
+  const auto look = [&](Index begin, Index end) {
+    for (Index n = begin; n < end; ++n)
+      if (const Ray& r = fan.rays[n]; r.cosine * ray.cosine + r.sine * ray.sine > window_cosine)
+        near.push_back(r.distance);
+  };
+  near.reserve(from <= to ? to - from : count - from + to);
+  if (from <= to) {
+    look(from, to);
+  } else {  // over the x axis
+    look(from, count);
+    look(0, to);
+  }
   if (near.size() < least_rays) return std::nullopt;
   const std::size_t rank = q * near.size();
   return of_rank(std::move(near), rank);
@@ -206,28 +246,34 @@ Mask classify_by_gradient(const SidedEdges& edges, const Grid& grid, const Axis&
   Rays endo = rays_of(edges.endo, axis), epi = rays_of(edges.epi, axis);
   const auto typical = typical_distances(epi);
   const Rays all_epi = epi;
-  const auto outer_distance = [&](std::size_t k, const Ray& r) -> std::optional<double> {
-    const auto here = quantile_near(all_epi, k, r, outer_quantile);
+  const auto outer_distance = [&](std::size_t k, const Fan& outer, const Ray& r) -> std::optional<double> {
+    const auto here = quantile_near(outer, r, outer_quantile);
     return here && typical[k] ? std::min(*here, most_oval * *typical[k]) : typical[k];
   };
 
   std::vector<std::size_t> dropped_in(epi.size(), 0);
-  const auto filter = [&](Rays& rays, const auto& contradicts) {
+  const auto filter = [&](Rays& rays, const auto& contradicts_in) {
     parallel_for(rays.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k)
-        dropped_in[k] += std::erase_if(rays[k], [&](const Ray& r) { return contradicts(k, r); });
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto contradicts = contradicts_in(k);
+        dropped_in[k] += std::erase_if(rays[k], [&](const Ray& r) { return contradicts(r); });
+      }
     });
   };
-  filter(endo, [&](std::size_t k, const Ray& r) {
-    const auto outside = outer_distance(k, r);
-    return outside && r.distance >= *outside;
+  filter(endo, [&](std::size_t k) {
+    return [&, k, outer = fan_around(all_epi, k)](const Ray& r) {
+      const auto outside = outer_distance(k, outer, r);
+      return outside && r.distance >= *outside;
+    };
   });
-  filter(epi, [&](std::size_t k, const Ray& r) {
-    const auto outside = outer_distance(k, r);
-    if (!outside) return false;
-    const double inside = quantile_near(endo, k, r, 0.5).value_or(0);
-    const bool in_cavity = inside < *outside && r.distance <= inside;
-    return in_cavity || r.distance > *outside + std::max(bulge_px, bulge_share * *outside);
+  filter(epi, [&](std::size_t k) {
+    return [&, k, outer = fan_around(all_epi, k), inner = fan_around(endo, k)](const Ray& r) {
+      const auto outside = outer_distance(k, outer, r);
+      if (!outside) return false;
+      const double inside = quantile_near(inner, r, 0.5).value_or(0);
+      const bool in_cavity = inside < *outside && r.distance <= inside;
+      return in_cavity || r.distance > *outside + std::max(bulge_px, bulge_share * *outside);
+    };
   });
   const std::size_t dropped = std::accumulate(dropped_in.begin(), dropped_in.end(), std::size_t{0});
   Mask inner(grid), outer(grid);
@@ -249,9 +295,11 @@ Mask classify_by_gradient(const SidedEdges& edges, const Grid& grid, const Axis&
 
 std::vector<image::Pixel> pixels_of(const Mask& borders, int k, std::uint8_t bit) {
   std::vector<image::Pixel> pixels;
-  for (int j = 0; j < borders.grid.dims[1]; ++j)
-    for (int i = 0; i < borders.grid.dims[0]; ++i)
-      if (borders(i, j, k) & bit) pixels.push_back({i, j});
+  visit_marked(
+      borders, k, [bit](std::uint8_t voxel) { return (voxel & bit) != 0; },
+      [&](int i, int j) {
+        pixels.push_back({i, j});
+      });
   return pixels;
 }
 
