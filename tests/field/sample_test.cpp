@@ -1,7 +1,9 @@
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
+#include "dynasurf/field/detail/field_view.hpp"
 #include "dynasurf/field/vector_field.hpp"
 
 #include "support/edge_maps.hpp"
@@ -71,6 +73,21 @@ TEST(Sample, WorksOnASingleVoxel) {
   f.x[0] = 1, f.y[0] = 2, f.z[0] = 3;
   for (Sampling how : {Sampling::nearest, Sampling::trilinear, Sampling::neighbour})
     EXPECT_EQ(sample(f, {0.4, -7, 0.1}, how, {1, 1, 1}), Vec3(1, 2, 3));
+}
+
+TEST(FieldView, TellsItsLongestVectorWhereverItIs) {
+  for (const int width : {1, 4, 7}) {
+    VectorField f(test::box(width, 3, 2));
+    for (std::size_t v = 0; v < f.x.size(); ++v) {
+      f = VectorField(f.grid);
+      f.x[v] = -3, f.y[v] = 4, f.z[v] = 12;
+      f.z[(v + 1) % f.x.size()] = 5;
+      EXPECT_EQ(FieldView(f).largest(), 13) << width << ' ' << v;
+      f.y[(v + 2) % f.x.size()] = std::numeric_limits<float>::quiet_NaN();
+      EXPECT_TRUE(std::isnan(FieldView(f).largest())) << width << ' ' << v;
+    }
+    EXPECT_EQ(FieldView(VectorField(f.grid)).largest(), 0);
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::image {
@@ -43,6 +44,17 @@ std::vector<double> half_gaussian(double sigma, std::optional<int> reach) {
   return half;
 }
 
+namespace {
+
+/// sum[i] += weight (low[i] + high[i])
+DYNASURF_CLONES
+void add_pair(double* __restrict sum, const float* __restrict low, const float* __restrict high, double weight,
+              int width) {
+  for (int i = 0; i < width; ++i) sum[i] += weight * (double{low[i]} + double{high[i]});
+}
+
+}  // namespace
+
 // A whole row per pair of taps: the inner loops run over neighbours in memory.
 Image convolve_along(const Image& image, std::span<const double> half, int axis) {
   const Index3 dims = image.grid.dims;
@@ -60,7 +72,7 @@ Image convolve_along(const Image& image, std::span<const double> half, int axis)
         for (int n = 1; n <= reach; ++n) {
           const auto [low, high] = axis == 0 ? std::array<const float*, 2>{&padded[reach - n], &padded[reach + n]}
                                              : rows_beside(image, axis, j, k, n);
-          for (int i = 0; i < width; ++i) sum[i] += half[n] * (double{low[i]} + double{high[i]});
+          add_pair(sum.data(), low, high, half[n], width);
         }
         float* out = result.values.data() + result.grid.index(0, j, k);
         for (int i = 0; i < width; ++i) out[i] = sum[i];

@@ -10,31 +10,45 @@ namespace dynasurf::image {
 namespace {
 
 /// Strength one pixel along (x, y), interpolated between the two pixels of the 3x3 ring on either side of it; exactly
-/// theirs where they are equal, so that plateaus stay plateaus.
-float along(const Slice& m, int i, int j, float x, float y) {
+/// theirs where they are equal, so that plateaus stay plateaus. `beside(di, dj)` is the strength of a pixel of the
+/// ring.
+template <class Beside>
+float along(const Beside& beside, float x, float y) {
   const float ax = std::abs(x), ay = std::abs(y);
   const int sx = x < 0 ? -1 : 1, sy = y < 0 ? -1 : 1;
-  const float diagonal = m.clamped(i + sx, j + sy);
+  const float diagonal = beside(sx, sy);
   if (ax >= ay) {
-    const float side = m.clamped(i + sx, j);
+    const float side = beside(sx, 0);
     return side + ay / ax * (diagonal - side);
   }
-  const float side = m.clamped(i, j + sy);
+  const float side = beside(0, sy);
   return side + ax / ay * (diagonal - side);
+}
+
+template <class Beside>
+bool is_ridge(const Beside& beside, float here, float x, float y) {
+  return here > along(beside, x, y) && here >= along(beside, -x, -y);
+}
+
+auto clamped_around(const Slice& m, int i, int j) {
+  return [&m, i, j](int di, int dj) { return m.clamped(i + di, j + dj); };
 }
 
 }  // namespace
 
 bool is_ridge(const Slice& m, int i, int j, float x, float y) {
   if (x == 0 && y == 0) return false;
-  const float here = m(i, j);
-  return here > along(m, i, j, x, y) && here >= along(m, i, j, -x, -y);
+  const float* here = &m.values[j * m.width + i];
+  if (i > 0 && j > 0 && i + 1 < m.width && j + 1 < m.height)
+    return is_ridge([&](int di, int dj) { return here[dj * m.width + di]; }, *here, x, y);
+  return is_ridge(clamped_around(m, i, j), *here, x, y);
 }
 
 RidgeOffset ridge_offset(const Slice& m, int i, int j, float x, float y) {
   const float step = std::max(std::abs(x), std::abs(y));
   if (step == 0) return {};
-  const float ahead = along(m, i, j, x, y), behind = along(m, i, j, -x, -y);
+  const auto beside = clamped_around(m, i, j);
+  const float ahead = along(beside, x, y), behind = along(beside, -x, -y);
   const float bend = ahead + behind - 2 * m(i, j);
   // No maximum in between: a plateau, or a pixel that was kept though it is no ridge.
   if (!(bend < 0)) return {};
