@@ -302,8 +302,10 @@ Image cut_at(Image image, float most) {
 
 Image mean_image(std::span<const Image> gates) {
   Image mean(gates.front().grid);
-  for (const Image& gate : gates)
-    for (std::size_t v = 0; v < mean.values.size(); ++v) mean.values[v] += gate.values[v] / gates.size();
+  parallel_for(mean.values.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (const Image& gate : gates)
+      for (std::size_t v = begin; v < end; ++v) mean.values[v] += gate.values[v] / gates.size();
+  });
   return mean;
 }
 

@@ -13,13 +13,22 @@ std::uint64_t bytes_of_frame(const DicomImage& image) {
   return static_cast<std::uint64_t>(image.bits_allocated) / 8 * image.rows * image.columns;
 }
 
-/// `raw` is one stored value, the low byte first where there are two.
-float value_of(std::uint32_t raw, const DicomImage& image) {
+/// The values of one frame, of two bytes each the low one first.
+void decode(std::span<const std::byte> bytes, const DicomImage& image, std::span<float> values) {
   // Old files keep overlays in the bits that the value does not use.
-  raw = (raw >> (image.high_bit + 1 - image.bits_stored)) & ((1u << image.bits_stored) - 1);
-  std::int32_t value = raw;
-  if (image.is_signed && (raw >> (image.bits_stored - 1)) != 0) value -= 1 << image.bits_stored;
-  return image.slope * value + image.intercept;
+  const int shift = image.high_bit + 1 - image.bits_stored;
+  const std::uint32_t mask = (1u << image.bits_stored) - 1, sign = image.is_signed ? 1u << (image.bits_stored - 1) : 0;
+  const auto value_of = [=, slope = image.slope, intercept = image.intercept](std::uint32_t raw) -> float {
+    const std::int32_t value =
+        static_cast<std::int32_t>(((raw >> shift) & mask) ^ sign) - static_cast<std::int32_t>(sign);
+    return slope * value + intercept;
+  };
+  if (image.bits_allocated == 16)
+    for (std::size_t p = 0; p < values.size(); ++p)
+      values[p] = value_of(std::to_integer<std::uint32_t>(bytes[2 * p]) |
+                           std::to_integer<std::uint32_t>(bytes[2 * p + 1]) << 8);
+  else
+    for (std::size_t p = 0; p < values.size(); ++p) values[p] = value_of(std::to_integer<std::uint32_t>(bytes[p]));
 }
 
 /// The bytes [begin, begin + out.size()) of unpacked pixels, 16-bit words turned round where the file has them so.
@@ -109,18 +118,13 @@ void read_dicom_frames(const DicomImage& image, const std::function<void(int, st
   check_amount(image, outline);
   FileWindow file(image.path);
   std::vector<std::byte> bytes(bytes_of_frame(image));
-  const std::size_t sample = static_cast<std::size_t>(image.bits_allocated) / 8;
-  std::vector<float> values(bytes.size() / sample);
+  std::vector<float> values(bytes.size() / (static_cast<std::size_t>(image.bits_allocated) / 8));
   for (int f = 0; f < image.frames; ++f) {
     if (outline.run_lengths)
       read_packed(file, image, outline.fragments[f], f, bytes);
     else
       read_plain(file, *outline.pixels, outline.big_endian && outline.pixels_are_words, f * bytes.size(), bytes);
-    for (std::size_t p = 0; p < values.size(); ++p) {
-      std::uint32_t raw = std::to_integer<std::uint32_t>(bytes[p * sample]);
-      if (sample == 2) raw |= std::to_integer<std::uint32_t>(bytes[p * sample + 1]) << 8;
-      values[p] = value_of(raw, image);
-    }
+    decode(bytes, image, values);
     use(f, values);
   }
 }

@@ -7,6 +7,7 @@
 #include "dynasurf/core/detail/fill_gates.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::io {
 namespace {
@@ -95,23 +96,32 @@ bool is_alone(const Image& image, std::size_t voxel) {
   return image.values[voxel] > times_neighbours * std::max(most, 0.0f);
 }
 
-/// Adds the bright voxels that stand alone, brightest first, and returns the brightest of the others; nothing when
+/// The bright voxels of a gate that stand alone, brightest first, and the brightest of the others; nothing of it when
 /// there are too many.
-std::optional<float> find_alone(const Image& image, std::size_t gate, std::vector<HotVoxel>& found) {
-  const std::size_t first = found.size();
-  while (found.size() - first <= most_hot_voxels) {
+struct Lonely {
+  std::vector<HotVoxel> voxels;
+  std::optional<float> others;
+};
+
+Lonely find_alone(const Image& image, std::size_t gate) {
+  Lonely found;
+  while (found.voxels.size() <= most_hot_voxels) {
     std::optional<std::size_t> brightest;
     for (std::size_t v = 0; v < image.values.size(); ++v) {
       if (brightest && image.values[v] <= image.values[*brightest]) continue;
       const bool is_known =
-          std::any_of(found.begin() + first, found.end(), [&](const HotVoxel& h) { return h.voxel == v; });
+          std::any_of(found.voxels.begin(), found.voxels.end(), [&](const HotVoxel& h) { return h.voxel == v; });
       if (!is_known) brightest = v;
     }
-    if (!brightest) return std::nullopt;
-    if (!is_alone(image, *brightest)) return image.values[*brightest];
-    found.push_back({gate, *brightest, image.values[*brightest]});
+    if (!brightest) break;
+    const float value = image.values[*brightest];
+    if (!is_alone(image, *brightest)) {
+      found.others = value;
+      break;
+    }
+    found.voxels.push_back({gate, *brightest, value});
   }
-  return std::nullopt;
+  return found;
 }
 
 bool is_empty(const Image& image) {
@@ -121,14 +131,18 @@ bool is_empty(const Image& image) {
 }  // namespace
 
 void fill_outside_field(std::vector<Image>& gates, const std::string& where, Notes& notes) {
+  const auto is_bad = [](float v) { return !std::isfinite(v); };
+  std::vector<std::size_t> bad(gates.size());
+  parallel_for(gates.size(), 1, [&](std::size_t g, std::size_t) {
+    bad[g] = std::count_if(gates[g].values.begin(), gates[g].values.end(), is_bad);
+  });
   std::size_t count = 0, voxels = 0;
   std::optional<std::string> first;
   for (std::size_t g = 0; g < gates.size(); ++g) {
     const auto& values = gates[g].values;
-    const auto is_bad = [](float v) { return !std::isfinite(v); };
-    if (const auto bad = std::find_if(values.begin(), values.end(), is_bad); bad != values.end() && !first)
-      first = voxel_text(gates[g].grid, bad - values.begin(), g);
-    count += std::count_if(values.begin(), values.end(), is_bad);
+    if (bad[g] > 0 && !first)
+      first = voxel_text(gates[g].grid, std::find_if(values.begin(), values.end(), is_bad) - values.begin(), g);
+    count += bad[g];
     voxels += values.size();
   }
   if (count == 0) return;
@@ -152,12 +166,14 @@ void fill_outside_field(std::vector<Image>& gates, const std::string& where, Not
 }
 
 void mend_hot_voxels(Study& study) {
+  std::vector<Lonely> found(study.gates.size());
+  parallel_for(found.size(), 1, [&](std::size_t g, std::size_t) { found[g] = find_alone(study.gates[g], g); });
   std::vector<HotVoxel> alone;
   float most = 0;
-  for (std::size_t g = 0; g < study.gates.size(); ++g) {
-    const auto others = find_alone(study.gates[g], g, alone);
-    if (!others) return;
-    most = std::max(most, *others);
+  for (const Lonely& gate : found) {
+    if (!gate.others) return;
+    most = std::max(most, *gate.others);
+    alone.insert(alone.end(), gate.voxels.begin(), gate.voxels.end());
   }
   std::erase_if(alone, [&](const HotVoxel& h) { return h.value <= times_all_else * most; });
   if (alone.empty() || alone.size() > most_hot_voxels || !(most > 0)) return;

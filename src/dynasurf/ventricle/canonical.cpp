@@ -7,6 +7,7 @@
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
+#include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -40,6 +41,14 @@ SliceLook look_at_slice(const Image& mean, int k, double peak) {
 
 }  // namespace
 
+float peak_of(std::span<const Image> gates) {
+  std::vector<float> peaks(gates.size());
+  parallel_for(gates.size(), 1, [&](std::size_t g, std::size_t) {
+    peaks[g] = *std::max_element(gates[g].values.begin(), gates[g].values.end());
+  });
+  return std::max(0.0F, *std::max_element(peaks.begin(), peaks.end()));
+}
+
 void require_workable(const Study& study) {
   if (study.gates.empty()) throw InputError("the study holds no volume; expected at least one gate");
   const Grid& grid = study.grid();
@@ -49,13 +58,20 @@ void require_workable(const Study& study) {
          << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
     throw InputError(text.str());
   }
+  // Counted first: the one that is not finite is looked for only where there is one.
+  const auto is_bad = [](float v) { return !std::isfinite(v); };
+  std::vector<Index> bad(study.gates.size());
+  parallel_for(bad.size(), 1, [&](std::size_t g, std::size_t) {
+    bad[g] = std::count_if(study.gates[g].values.begin(), study.gates[g].values.end(), is_bad);
+  });
   for (std::size_t g = 0; g < study.gates.size(); ++g) {
     const Image& image = study.gates[g];
     if (!(image.grid == grid)) throw InputError("gate " + std::to_string(g + 1) + " lies on another grid than gate 1");
-    const auto bad = std::find_if(image.values.begin(), image.values.end(), [](float v) { return !std::isfinite(v); });
-    if (bad != image.values.end())
-      throw InputError("gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
-                       std::to_string(bad - image.values.begin()) + "; expected numbers only");
+    if (bad[g] > 0)
+      throw InputError(
+          "gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
+          std::to_string(std::find_if(image.values.begin(), image.values.end(), is_bad) - image.values.begin()) +
+          "; expected numbers only");
   }
 }
 
@@ -125,15 +141,14 @@ Study canonical_study(Study study) {
   }
   if (study.slice_order == SliceOrder::base_to_apex) study = reverse_slices(std::move(study));
 
-  float peak = 0;
-  for (const Image& image : study.gates)
-    peak = std::max(peak, *std::max_element(image.values.begin(), image.values.end()));
+  const float peak = peak_of(study.gates);
   if (peak <= 0) {
     study.notes.push_back({Severity::failure, "study.empty", "the study holds no positive value"});
     return study;
   }
-  for (Image& image : study.gates)
-    for (float& v : image.values) v /= peak;
+  parallel_for(study.gates.size(), 1, [&](std::size_t g, std::size_t) {
+    for (float& v : study.gates[g].values) v /= peak;
+  });
   return study;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/ventricle/detail/canonical.hpp"
 
 namespace dynasurf::ventricle {
 namespace {
@@ -29,9 +30,7 @@ std::optional<Study> cut_hot_objects(const Study& study, const heart::Location& 
   if (!heart.is_clear()) return std::nullopt;
   const Image mean = heart::mean_image(study.gates);
   const double wall = bright_wall(mean, to_grid(mean.grid, heart.cup));
-  float peak = 0;
-  for (const Image& gate : study.gates)
-    peak = std::max(peak, *std::max_element(gate.values.begin(), gate.values.end()));
+  const float peak = peak_of(study.gates);
   if (!(wall > 0) || peak <= brightest_wall * wall) return std::nullopt;
   Study cut = study;
   const float most = cut_at * wall;

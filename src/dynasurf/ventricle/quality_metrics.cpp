@@ -10,6 +10,7 @@
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/mean_point.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/detail/smooth_cycle.hpp"
 #include "dynasurf/image/intensity.hpp"
 #include "dynasurf/ventricle/result.hpp"
@@ -77,12 +78,12 @@ std::vector<Place> places_around(const Grid& grid, const heart::LvShell& cup) {
 }
 
 std::vector<double> counts_of(std::span<const Image> gates, const std::vector<Place>& places) {
-  std::vector<double> counts;
-  for (const Image& gate : gates) {
+  std::vector<double> counts(gates.size(), 0.0);
+  parallel_for(counts.size(), 1, [&](std::size_t g, std::size_t) {
     double sum = 0;
-    for (const Place& place : places) sum += gate.values[place.voxel];
-    counts.push_back(sum);
-  }
+    for (const Place& place : places) sum += gates[g].values[place.voxel];
+    counts[g] = sum;
+  });
   return counts;
 }
 
@@ -176,7 +177,7 @@ std::vector<std::optional<Vec3>> middles_of_counts(std::span<const Image> gates,
   values.reserve(places.size());
   for (const Place& place : places) values.push_back(mean.values[place.voxel]);
   const double background = quantile(values, background_share);
-  for (std::size_t g = 0; g < gates.size(); ++g) {
+  parallel_for(gates.size(), 1, [&](std::size_t g, std::size_t) {
     double sum = 0;
     Vec3 moment = Vec3::Zero();
     for (const Place& place : places) {
@@ -186,7 +187,7 @@ std::vector<std::optional<Vec3>> middles_of_counts(std::span<const Image> gates,
       moment += counts * place.position;
     }
     if (sum > 0) middles[g] = moment / sum;
-  }
+  });
   return middles;
 }
 

@@ -9,6 +9,9 @@ namespace dynasurf::ventricle {
 /// not finite, or gates on different grids.
 void require_workable(const Study& study);
 
+/// Largest value of all gates; 0 where all are negative. Needs at least one gate and voxel.
+float peak_of(std::span<const Image> gates);
+
 /// The study as the pipeline wants it: a short-axis stack from apex to base, values divided by the largest value of
 /// all gates (VOL-NORM over the whole data set, so that gates stay comparable).
 /// A stack stored base first is reversed. Where the file does not say which end is the apex, the data are asked
