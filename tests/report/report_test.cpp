@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "dynasurf/report/detail/page_pictures.hpp"
 #include "dynasurf/report/detail/page_template.hpp"
 
 #include "support/sample_result.hpp"
@@ -241,6 +242,27 @@ TEST(Page, BinsTheSlicesOfAStudyThatWouldNotFit) {
   const ordered_json pictures = data_of(report_html(result, {}))["pictures"];
   EXPECT_EQ(pictures["bin"], 2);
   EXPECT_EQ(pictures["columns"], 200);
+}
+
+TEST(Pictures, JoinTheMarksOfABin) {
+  Grid grid;
+  grid.dims = {7, 5, 2};
+  Mask borders(grid), edges(grid);
+  for (std::size_t v = 0; v < grid.size(); ++v)
+    borders.values[v] = v % 11 == 0 ? v % 3 : 0, edges.values[v] = v % 13 == 4 ? 1 + v % 2 : 0;
+  for (const int bin : {1, 2, 3, 8}) {
+    const int columns = (7 + bin - 1) / bin, rows = (5 + bin - 1) / bin;
+    detail::Bytes joined(static_cast<std::size_t>(columns * rows * 2), 0);
+    for (int k = 0; k < 2; ++k)
+      for (int j = 0; j < 5; ++j)
+        for (int i = 0; i < 7; ++i) {
+          const unsigned marks = borders(i, j, k) | (edges(i, j, k) == 0 ? 0u : 2u << edges(i, j, k));
+          joined[static_cast<std::size_t>((k * rows + j / bin) * columns + i / bin)] |=
+              static_cast<std::uint8_t>(marks);
+        }
+    EXPECT_EQ(detail::mark_bytes(grid, borders, edges, bin), joined) << bin;
+    EXPECT_EQ(detail::mark_bytes(grid, {}, {}, bin), detail::Bytes(joined.size(), 0)) << bin;
+  }
 }
 
 TEST(Page, IsWrittenForAResultWithoutAnyImage) {

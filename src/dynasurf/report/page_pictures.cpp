@@ -1,20 +1,17 @@
 #include "dynasurf/report/detail/page_pictures.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "dynasurf/core/detail/visit_marked.hpp"
 #include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::report::detail {
 namespace {
 
-/// Calls visit(i0, i1, j0, j1, k) for every bin, in the order of voxels.
-template <class Visit>
-void for_each_bin(const Index3& dims, int bin, const Visit& visit) {
-  for (int k = 0; k < dims[2]; ++k)
-    for (int j = 0; j < dims[1]; j += bin)
-      for (int i = 0; i < dims[0]; i += bin) visit(i, std::min(i + bin, dims[0]), j, std::min(j + bin, dims[1]), k);
-}
+/// How many bins lie along an axis; the last one may be narrower.
+std::size_t bins_along(int voxels, int bin) { return (voxels + bin - 1) / bin; }
 
 float largest_value(const Study& study) {
   float largest = 0;
@@ -34,23 +31,36 @@ Bytes bytes_of_gates(std::size_t gates, const BytesOf& bytes_of) {
   return all;
 }
 
+/// By the bits, which vectors compare: the exponent of what is not finite is all ones.
+float finite_or_zero(float value) {
+  constexpr std::uint32_t exponent = 0x7f800000;
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return std::bit_cast<float>((bits & exponent) == exponent ? 0u : bits);
+}
+
 /// All gates as bytes, 255 the largest value of the study; negative values are black.
 Bytes image_bytes(const Study& study, int bin) {
   const float largest = largest_value(study);
   const double scale = largest > 0 ? 255.0 / largest : 0;
   return bytes_of_gates(study.gates.size(), [&](std::size_t g) {
-    const Image& gate = study.gates[g];
+    const Grid& grid = study.gates[g].grid;
+    const int width = grid.dims[0], height = grid.dims[1];
     Bytes bytes;
-    for_each_bin(gate.grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
-      double sum = 0;
-      for (int j = j0; j < j1; ++j)
-        for (int i = i0; i < i1; ++i) {
-          const float value = gate(i, j, k);
-          sum += std::isfinite(value) ? value : 0;
+    std::vector<float> finite(width);
+    std::vector<double> sums(bins_along(width, bin));  // of a row of bins
+    for (int k = 0; k < grid.dims[2]; ++k)
+      for (int j0 = 0; j0 < height; j0 += bin) {
+        const int j1 = std::min(j0 + bin, height);
+        std::fill(sums.begin(), sums.end(), 0.0);
+        for (int j = j0; j < j1; ++j) {
+          const float* row = &study.gates[g](0, j, k);
+          for (int i = 0; i < width; ++i) finite[i] = finite_or_zero(row[i]);
+          for (int step = 0; step < bin; ++step)
+            for (int i = step, n = 0; i < width; i += bin, ++n) sums[n] += finite[i];
         }
-      const double mean = sum / ((i1 - i0) * (j1 - j0)) * scale;
-      bytes.push_back(byte_of(mean));
-    });
+        for (int i = 0, n = 0; i < width; i += bin, ++n)
+          bytes.push_back(byte_of(sums[n] / ((std::min(i + bin, width) - i) * (j1 - j0)) * scale));
+      }
     return bytes;
   });
 }
@@ -77,9 +87,7 @@ int bin_of(const Study& study, std::size_t most_voxels) {
   const auto& dims = study.grid().dims;
   int bin = 1;
   const auto voxels = [&] {
-    const std::size_t columns = (dims[0] + bin - 1) / bin;
-    const std::size_t rows = (dims[1] + bin - 1) / bin;
-    return columns * rows * dims[2] * study.gates.size();
+    return bins_along(dims[0], bin) * bins_along(dims[1], bin) * dims[2] * study.gates.size();
   };
   // Pixels are joined within slices alone; slices are few and far apart already.
   while (voxels() > most_voxels && bin < std::max(dims[0], dims[1])) ++bin;
@@ -87,19 +95,19 @@ int bin_of(const Study& study, std::size_t most_voxels) {
 }
 
 Bytes mark_bytes(const Grid& grid, const Mask& borders, const Mask& edges, int bin) {
-  const auto marks_at = [&](std::size_t v) -> unsigned {
-    const unsigned border = borders.values.size() == grid.size() ? borders.values[v] & 3u : 0u;
-    const unsigned edge = edges.values.size() == grid.size() ? edges.values[v] : 0u;
-    return border | (edge == 1 ? 4u : edge == 2 ? 8u : 0u);
+  const std::size_t columns = bins_along(grid.dims[0], bin), rows = bins_along(grid.dims[1], bin);
+  Bytes bytes(columns * rows * grid.dims[2], 0);
+  const auto is_marked = [](std::uint8_t voxel) { return voxel != 0; };
+  // Marks are joined, where values are averaged: a border one pixel wide must not vanish in a bin.
+  const auto put = [&](const Mask& mask, const auto& mark_of) {
+    if (mask.values.size() != grid.size()) return;
+    for (int k = 0; k < grid.dims[2]; ++k)
+      visit_marked(mask, k, is_marked, [&](int i, int j) {
+        bytes[(k * rows + j / bin) * columns + i / bin] |= mark_of(mask.values[grid.index(i, j, k)]);
+      });
   };
-  Bytes bytes;
-  for_each_bin(grid.dims, bin, [&](int i0, int i1, int j0, int j1, int k) {
-    unsigned marks = 0;
-    for (int j = j0; j < j1; ++j)
-      // Marks are joined, where values are averaged: a border one pixel wide must not vanish in a bin.
-      for (int i = i0; i < i1; ++i) marks |= marks_at(grid.index(i, j, k));
-    bytes.push_back(marks);
-  });
+  put(borders, [](unsigned border) { return border & 3u; });
+  put(edges, [](unsigned edge) { return edge == 1 ? 4u : edge == 2 ? 8u : 0u; });
   return bytes;
 }
 
@@ -123,8 +131,8 @@ Json pictures_json(const ventricle::Result& result, std::size_t most_voxels) {
   Json json = Json::object();
   json["grid"] = grid_json(study.grid());
   json["bin"] = bin;
-  json["columns"] = (dims[0] + bin - 1) / bin;
-  json["rows"] = (dims[1] + bin - 1) / bin;
+  json["columns"] = bins_along(dims[0], bin);
+  json["rows"] = bins_along(dims[1], bin);
   json["gates"] = study.gates.size();
   std::string pixels, drawn;
   parallel_for(2, 1, [&](std::size_t task, std::size_t) {
