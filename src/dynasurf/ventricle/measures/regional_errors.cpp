@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "dynasurf/core/detail/degrees.hpp"
 #include "dynasurf/core/detail/elementary.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/ventricle/measures/detail/reference.hpp"
 
 namespace dynasurf::ventricle {
@@ -206,17 +209,26 @@ void add_error_bars(Measures& m, const psf_fit::WallPosterior& posterior) {
   if (m.segments.empty()) return;
   if (std::any_of(m.gates.begin(), m.gates.end(), [](const GateMeasures& g) { return !g.axes; })) return;
   const Wall wall(m, posterior);
-  perfusion_errors(m, wall, m.ed_gate);
-  thickness_errors(m, wall);
-  if (m.es_gate < 0) return;
-  motion_errors(m, wall);
-  if (m.phase_motion)
-    onset_errors(m, wall,
-                 {&PolarMaps::phase_motion_deg, &Measures::phase_motion, &SegmentErrors::phase_motion_deg, true});
-  if (m.phase_thickness)
-    onset_errors(
-        m, wall,
-        {&PolarMaps::phase_thickness_deg, &Measures::phase_thickness, &SegmentErrors::phase_thickness_deg, false});
+  const bool beats = m.es_gate >= 0;
+  // Each writes members of its own. Those that take longest come first.
+  const std::vector<std::function<void()>> tasks{
+      [&] {
+        if (beats && m.phase_motion)
+          onset_errors(m, wall,
+                       {&PolarMaps::phase_motion_deg, &Measures::phase_motion, &SegmentErrors::phase_motion_deg, true});
+      },
+      [&] {
+        if (beats && m.phase_thickness)
+          onset_errors(m, wall,
+                       {&PolarMaps::phase_thickness_deg, &Measures::phase_thickness,
+                        &SegmentErrors::phase_thickness_deg, false});
+      },
+      [&] { thickness_errors(m, wall); },
+      [&] {
+        if (beats) motion_errors(m, wall);
+      },
+      [&] { perfusion_errors(m, wall, m.ed_gate); }};
+  parallel_for(tasks.size(), 1, [&](std::size_t n, std::size_t) { tasks[n](); });
 }
 
 }  // namespace dynasurf::ventricle
