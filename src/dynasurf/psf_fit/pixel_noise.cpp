@@ -1,10 +1,12 @@
 #include "dynasurf/psf_fit/detail/pixel_noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/parallel.hpp"
 
 namespace dynasurf::psf_fit {
 namespace {
@@ -56,24 +58,28 @@ PixelNoise noise_of(const BeatProblem& problem, const Objective& objective) {
   const float most = 3 * std::sqrt(variance);
   for (auto& values : scaled)
     for (float& v : values) v = std::clamp(v, -most, most);
-  double shared = 1, shared_within_blur = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    double of_axis = 1;
+  std::array<double, 3> along;  // how many pixels of a row share their noise
+  parallel_for(along.size(), 1, [&](std::size_t axis, std::size_t) {
+    along[axis] = 1;
     for (int lag = 1; lag < 8 && lag < dims[axis]; ++lag) {
       double product = 0, pairs = 0;
       const std::size_t apart = stride[axis] * lag;
       const std::size_t length = dims[axis];
       for (const auto& values : scaled)
         for (std::size_t n = 0; n + apart < values.size(); ++n) {
-          if (n / stride[axis] % length + lag >= length) continue;
           if (problem.weight[n] <= 0 || problem.weight[n + apart] <= 0) continue;
+          if (n / stride[axis] % length + lag >= length) continue;
           product += values[n] * values[n + apart];
           pairs += 1;
         }
       const double correlation = pairs > 0 ? product / pairs / variance : 0;
       if (correlation < 0.05) break;
-      of_axis += 2 * correlation;
+      along[axis] += 2 * correlation;
     }
+  });
+  double shared = 1, shared_within_blur = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double of_axis = along[axis];
     const double pixel_mm = problem.pixels.spacing[axis] * problem.pixels.joined[axis];
     const double within_blur = 2 * std::sqrt(M_PI) * problem.sigma_mm / pixel_mm;
     shared *= of_axis;
