@@ -13,7 +13,7 @@ std::uint64_t bytes_of_frame(const DicomImage& image) {
   return static_cast<std::uint64_t>(image.bits_allocated) / 8 * image.rows * image.columns;
 }
 
-/// The values of one frame, of two bytes each the low one first.
+/// The values of one frame, stored in one byte each or in two, the low one first.
 void decode(std::span<const std::byte> bytes, const DicomImage& image, std::span<float> values) {
   // Old files keep overlays in the bits that the value does not use.
   const int shift = image.high_bit + 1 - image.bits_stored;

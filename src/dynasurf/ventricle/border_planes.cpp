@@ -47,7 +47,7 @@ dynamics::BorderPlanes border_planes(const Image& border, Border wall, const Lab
                                      const image::EdgeMap& edges, int base_slice) {
   dynamics::BorderPlanes planes{border.grid, {}};
   const Grid& grid = labels.borders.grid;
-  // The border's grid is the labels' grown by whole voxels, which are not of the border.
+  // The border's grid is the labels' grown by whole voxels; no voxel of the border lies in what was added.
   const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
   const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const double half_slice = grid.spacing[2] / 2;

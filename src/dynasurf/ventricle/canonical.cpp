@@ -58,7 +58,7 @@ void require_workable(const Study& study) {
          << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
     throw InputError(text.str());
   }
-  // Counted first: the one that is not finite is looked for only where there is one.
+  // Counting takes vectors; the place is looked for only where there is one to tell.
   const auto is_bad = [](float v) { return !std::isfinite(v); };
   std::vector<Index> bad(study.gates.size());
   parallel_for(bad.size(), 1, [&](std::size_t g, std::size_t) {
