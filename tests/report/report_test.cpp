@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -242,6 +243,34 @@ TEST(Page, BinsTheSlicesOfAStudyThatWouldNotFit) {
   const ordered_json pictures = data_of(report_html(result, {}))["pictures"];
   EXPECT_EQ(pictures["bin"], 2);
   EXPECT_EQ(pictures["columns"], 200);
+}
+
+TEST(Pictures, AverageThePixelsOfABin) {
+  Study study;
+  Grid grid;
+  grid.dims = {7, 5, 2};
+  for (int g = 0; g < 2; ++g) {
+    Image& gate = study.gates.emplace_back(grid);
+    for (std::size_t v = 0; v < grid.size(); ++v) gate.values[v] = static_cast<float>((v * 37 + g * 11) % 101) - 20;
+  }
+  study.gates[0](6, 4, 0) = std::numeric_limits<float>::infinity();
+  study.gates[1](0, 0, 1) = 250;
+  for (const int bin : {1, 2, 3, 8}) {
+    detail::Bytes means;
+    for (const Image& gate : study.gates)
+      for (int k = 0; k < 2; ++k)
+        for (int j0 = 0; j0 < 5; j0 += bin)
+          for (int i0 = 0; i0 < 7; i0 += bin) {
+            double sum = 0, count = 0;
+            for (int j = j0; j < std::min(j0 + bin, 5); ++j)
+              for (int i = i0; i < std::min(i0 + bin, 7); ++i) {
+                sum += std::isfinite(gate(i, j, k)) ? gate(i, j, k) : 0;
+                ++count;
+              }
+            means.push_back(static_cast<std::uint8_t>(std::clamp(std::round(sum / count * (255.0 / 250)), 0.0, 255.0)));
+          }
+    EXPECT_EQ(detail::image_bytes(study, bin), means) << bin;
+  }
 }
 
 TEST(Pictures, JoinTheMarksOfABin) {

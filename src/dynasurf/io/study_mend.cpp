@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "dynasurf/core/detail/fill_gates.hpp"
+#include "dynasurf/core/detail/not_finite.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
 #include "dynasurf/core/error.hpp"
 #include "dynasurf/core/parallel.hpp"
@@ -131,19 +132,13 @@ bool is_empty(const Image& image) {
 }  // namespace
 
 void fill_outside_field(std::vector<Image>& gates, const std::string& where, Notes& notes) {
-  const auto is_bad = [](float v) { return !std::isfinite(v); };
-  std::vector<std::size_t> bad(gates.size());
-  parallel_for(gates.size(), 1, [&](std::size_t g, std::size_t) {
-    bad[g] = std::count_if(gates[g].values.begin(), gates[g].values.end(), is_bad);
-  });
+  const std::vector<std::size_t> bad = not_finite_in(gates);
   std::size_t count = 0, voxels = 0;
   std::optional<std::string> first;
   for (std::size_t g = 0; g < gates.size(); ++g) {
-    const auto& values = gates[g].values;
-    if (bad[g] > 0 && !first)
-      first = voxel_text(gates[g].grid, std::find_if(values.begin(), values.end(), is_bad) - values.begin(), g);
+    if (bad[g] > 0 && !first) first = voxel_text(gates[g].grid, first_not_finite(gates[g]), g);
     count += bad[g];
-    voxels += values.size();
+    voxels += gates[g].values.size();
   }
   if (count == 0) return;
   const std::string reason = " is not a finite number; expected counts";

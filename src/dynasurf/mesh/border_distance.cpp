@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/visit_marked.hpp"
@@ -19,8 +20,6 @@ int nearest_index(double x, int count) { return whole_within(x + 0.5, count); }
 
 double square(double x) { return x * x; }
 
-bool is_marked(float voxel) { return voxel != 0; }
-
 template <class Distance>
 std::vector<double> for_all_vertices(const TriMesh& mesh, Distance&& distance) {
   std::vector<double> result(mesh.vertices.size());
@@ -32,20 +31,14 @@ std::vector<double> for_all_vertices(const TriMesh& mesh, Distance&& distance) {
 
 }  // namespace
 
-BorderDistance::BorderDistance(const Image& border) : grid_(border.grid) {
-  const int height = grid_.dims[1];
-  std::vector<int> rows;  // of each column
-  for (int k = 0; k < grid_.dims[2]; ++k) {
-    rows.clear();
-    visit_marked(border, k, is_marked, [&](int i, int j) {
+BorderDistance::BorderDistance(const Image& border)
+    : grid_(border.grid), row_begin_(size_of({1, grid_.dims[1], grid_.dims[2]}) + 1, 0) {
+  for (int k = 0; k < grid_.dims[2]; ++k)
+    visit_marked(border, k, [&](int i, int j) {
       columns_.push_back(i);
-      rows.push_back(j);
+      ++row_begin_[row_of(j, k) + 1];
     });
-    const std::size_t first = columns_.size() - rows.size();
-    for (int j = 0; j < height; ++j)
-      row_begin_.push_back(first + (std::lower_bound(rows.begin(), rows.end(), j) - rows.begin()));
-  }
-  row_begin_.push_back(columns_.size());
+  std::partial_sum(row_begin_.begin(), row_begin_.end(), row_begin_.begin());
 }
 
 // Rows of voxels are visited in square rings around the row of the point. A row in ring r is at least r - 1/2 voxels
@@ -67,7 +60,7 @@ double BorderDistance::distance(const Vec3& p, const Vec3& scale, double limit) 
       found = true;
     };
     // The nearest of a row are the last one before column ci and the first one from it on.
-    const std::size_t row = static_cast<std::size_t>(k) * grid_.dims[1] + j;
+    const std::size_t row = row_of(j, k);
     const auto begin = columns_.begin() + row_begin_[row], end = columns_.begin() + row_begin_[row + 1];
     const auto after = std::lower_bound(begin, end, ci);
     if (after != begin) try_voxel(*(after - 1));
@@ -127,7 +120,7 @@ double share_of_border_reached(const TriMesh& mesh, const Image& border, double 
   }
   std::size_t all = 0, near = 0;
   for (int k = 0; k < g.dims[2]; ++k)
-    visit_marked(border, k, is_marked, [&](int i, int j) { ++all, near += reached[g.index(i, j, k)]; });
+    visit_marked(border, k, [&](int i, int j) { ++all, near += reached[g.index(i, j, k)]; });
   return all > 0 ? 1.0 * near / all : 1;
 }
 

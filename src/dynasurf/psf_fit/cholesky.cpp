@@ -10,12 +10,8 @@ namespace dynasurf::psf_fit {
 
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(a.rows(), b.cols());
-  constexpr Eigen::Index enough = 1 << 15;  // products for a thread
-  const Eigen::Index grain = std::max<Eigen::Index>(1, enough / std::max<Eigen::Index>(1, a.size()));
-  parallel_for(b.cols(), grain, [&](Eigen::Index begin, Eigen::Index end) {
-    for (Eigen::Index j = begin; j < end; ++j)
-      detail::add_lines(sums.col(j).data(), a.rows(), a.data(), a.outerStride(), b.col(j).data(), a.cols());
-  });
+  for (Eigen::Index j = 0; j < b.cols(); ++j)
+    detail::add_lines(sums.col(j).data(), a.rows(), a.data(), a.outerStride(), b.col(j).data(), a.cols());
   return sums;
 }
 

@@ -1,7 +1,6 @@
 #include "dynasurf/report/detail/page_pictures.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "dynasurf/core/detail/visit_marked.hpp"
@@ -29,40 +28,6 @@ Bytes bytes_of_gates(std::size_t gates, const BytesOf& bytes_of) {
   Bytes all;
   for (const Bytes& bytes : each) all.insert(all.end(), bytes.begin(), bytes.end());
   return all;
-}
-
-/// By the bits, which vectors compare: the exponent of what is not finite is all ones.
-float finite_or_zero(float value) {
-  constexpr std::uint32_t exponent = 0x7f800000;
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return std::bit_cast<float>((bits & exponent) == exponent ? 0u : bits);
-}
-
-/// All gates as bytes, 255 the largest value of the study; negative values are black.
-Bytes image_bytes(const Study& study, int bin) {
-  const float largest = largest_value(study);
-  const double scale = largest > 0 ? 255.0 / largest : 0;
-  return bytes_of_gates(study.gates.size(), [&](std::size_t g) {
-    const Grid& grid = study.gates[g].grid;
-    const int width = grid.dims[0], height = grid.dims[1];
-    Bytes bytes;
-    std::vector<float> finite(width);
-    std::vector<double> sums(bins_along(width, bin));  // of a row of bins
-    for (int k = 0; k < grid.dims[2]; ++k)
-      for (int j0 = 0; j0 < height; j0 += bin) {
-        const int j1 = std::min(j0 + bin, height);
-        std::fill(sums.begin(), sums.end(), 0.0);
-        for (int j = j0; j < j1; ++j) {
-          const float* row = &study.gates[g](0, j, k);
-          for (int i = 0; i < width; ++i) finite[i] = finite_or_zero(row[i]);
-          for (int step = 0; step < bin; ++step)
-            for (int i = step, n = 0; i < width; i += bin, ++n) sums[n] += finite[i];
-        }
-        for (int i = 0, n = 0; i < width; i += bin, ++n)
-          bytes.push_back(byte_of(sums[n] / ((std::min(i + bin, width) - i) * (j1 - j0)) * scale));
-      }
-    return bytes;
-  });
 }
 
 Json circle_json(const ventricle::Circle& circle) {
@@ -94,15 +59,38 @@ int bin_of(const Study& study, std::size_t most_voxels) {
   return bin;
 }
 
+Bytes image_bytes(const Study& study, int bin) {
+  const float largest = largest_value(study);
+  const double scale = largest > 0 ? 255.0 / largest : 0;
+  return bytes_of_gates(study.gates.size(), [&](std::size_t g) {
+    const Grid& grid = study.gates[g].grid;
+    const int width = grid.dims[0], height = grid.dims[1];
+    Bytes bytes;
+    std::vector<double> sums(bins_along(width, bin));  // of a row of bins
+    for (int k = 0; k < grid.dims[2]; ++k)
+      for (int j0 = 0; j0 < height; j0 += bin) {
+        const int j1 = std::min(j0 + bin, height);
+        std::fill(sums.begin(), sums.end(), 0.0);
+        for (int j = j0; j < j1; ++j) {
+          const float* row = &study.gates[g](0, j, k);
+          for (int step = 0; step < bin; ++step)
+            for (int i = step, n = 0; i < width; i += bin, ++n) sums[n] += std::isfinite(row[i]) ? row[i] : 0;
+        }
+        for (int i = 0, n = 0; i < width; i += bin, ++n)
+          bytes.push_back(byte_of(sums[n] / ((std::min(i + bin, width) - i) * (j1 - j0)) * scale));
+      }
+    return bytes;
+  });
+}
+
 Bytes mark_bytes(const Grid& grid, const Mask& borders, const Mask& edges, int bin) {
   const std::size_t columns = bins_along(grid.dims[0], bin), rows = bins_along(grid.dims[1], bin);
   Bytes bytes(columns * rows * grid.dims[2], 0);
-  const auto is_marked = [](std::uint8_t voxel) { return voxel != 0; };
   // Marks are joined, where values are averaged: a border one pixel wide must not vanish in a bin.
   const auto put = [&](const Mask& mask, const auto& mark_of) {
     if (mask.values.size() != grid.size()) return;
     for (int k = 0; k < grid.dims[2]; ++k)
-      visit_marked(mask, k, is_marked, [&](int i, int j) {
+      visit_marked(mask, k, [&](int i, int j) {
         bytes[(k * rows + j / bin) * columns + i / bin] |= mark_of(mask.values[grid.index(i, j, k)]);
       });
   };

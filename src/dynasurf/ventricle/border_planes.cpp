@@ -51,9 +51,8 @@ dynamics::BorderPlanes border_planes(const Image& border, Border wall, const Lab
   const Index3 shift = voxel_of(border.grid, to_grid(border.grid, grid.origin));
   const std::uint8_t bit = wall == Border::endo ? Labels::endo_bit : Labels::epi_bit;
   const double half_slice = grid.spacing[2] / 2;
-  const auto is_marked = [](float voxel) { return voxel != 0; };
   for (int k = 0; k < grid.dims[2]; ++k)
-    visit_marked(border, k + shift[2], is_marked, [&](int border_i, int border_j) {
+    visit_marked(border, k + shift[2], [&](int border_i, int border_j) {
       const int i = border_i - shift[0], j = border_j - shift[1];
       const std::size_t voxel = border.grid.index(border_i, border_j, k + shift[2]);
       const bool on_edge = (labels.borders(i, j, k) & bit) != 0;

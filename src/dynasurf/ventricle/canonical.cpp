@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dynasurf/core/detail/not_finite.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
 #include "dynasurf/core/detail/text_stream.hpp"
 #include "dynasurf/core/error.hpp"
@@ -58,20 +59,13 @@ void require_workable(const Study& study) {
          << " slices; expected at least " << least_pixels << " x " << least_pixels << " in " << least_slices;
     throw InputError(text.str());
   }
-  // Counting takes vectors; the place is looked for only where there is one to tell.
-  const auto is_bad = [](float v) { return !std::isfinite(v); };
-  std::vector<Index> bad(study.gates.size());
-  parallel_for(bad.size(), 1, [&](std::size_t g, std::size_t) {
-    bad[g] = std::count_if(study.gates[g].values.begin(), study.gates[g].values.end(), is_bad);
-  });
+  const std::vector<std::size_t> bad = not_finite_in(study.gates);
   for (std::size_t g = 0; g < study.gates.size(); ++g) {
     const Image& image = study.gates[g];
     if (!(image.grid == grid)) throw InputError("gate " + std::to_string(g + 1) + " lies on another grid than gate 1");
     if (bad[g] > 0)
-      throw InputError(
-          "gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
-          std::to_string(std::find_if(image.values.begin(), image.values.end(), is_bad) - image.values.begin()) +
-          "; expected numbers only");
+      throw InputError("gate " + std::to_string(g + 1) + " holds a value that is not finite at voxel " +
+                       std::to_string(first_not_finite(image)) + "; expected numbers only");
   }
 }
 

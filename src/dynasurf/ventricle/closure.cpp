@@ -157,9 +157,8 @@ Image close_border(const Image& border, int base_slice) {
 Image with_room(Image border, int voxels) {
   const Grid& old = border.grid;
   Index3 low{old.dims}, high{-1, -1, -1};
-  const auto is_marked = [](float voxel) { return voxel != 0; };
   for (int k = 0; k < old.dims[2]; ++k)
-    visit_marked(border, k, is_marked, [&](int i, int j) {
+    visit_marked(border, k, [&](int i, int j) {
       const Index3 at{i, j, k};
       for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], at[a]), high[a] = std::max(high[a], at[a]);
     });

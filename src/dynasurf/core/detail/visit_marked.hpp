@@ -18,4 +18,11 @@ void visit_marked(const Volume<Voxel>& volume, int k, const IsMarked& is_marked,
   }
 }
 
+/// The same for the voxels that are not 0.
+template <class Voxel, class Visit>
+void visit_marked(const Volume<Voxel>& volume, int k, const Visit& visit) {
+  visit_marked(
+      volume, k, [](Voxel voxel) { return voxel != 0; }, visit);
+}
+
 }  // namespace dynasurf

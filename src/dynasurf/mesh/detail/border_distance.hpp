@@ -23,6 +23,7 @@ class BorderDistance {
   }
 
  private:
+  std::size_t row_of(int j, int k) const { return static_cast<std::size_t>(k) * grid_.dims[1] + j; }
   double distance(const Vec3& index, const Vec3& scale, double limit) const;
 
   Grid grid_;

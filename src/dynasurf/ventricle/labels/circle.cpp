@@ -123,9 +123,8 @@ Circle coarse_circle(const Grid& grid, const CoarseCircle& o) {
 }
 
 Mask clip(Mask edges, const Axis& axis, double radius_px) {
-  const auto is_marked = [](std::uint8_t voxel) { return voxel != 0; };
   for (int k = 0; k < edges.grid.dims[2]; ++k)
-    visit_marked(edges, k, is_marked, [&](int i, int j) {
+    visit_marked(edges, k, [&](int i, int j) {
       const double dx = i - axis.x_at(k), dy = j - axis.y_at(k);
       if (dx * dx + dy * dy > radius_px * radius_px) edges(i, j, k) = 0;
     });

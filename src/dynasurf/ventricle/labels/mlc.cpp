@@ -175,21 +175,17 @@ constexpr std::size_t least_rays = 5;
 
 /// Grows from 0 to 4 with the angle of a direction, from the x axis over the y axis.
 double turn_of(double cosine, double sine) { return sine >= 0 ? 1 - cosine : 3 + cosine; }
+double turn_of(const Ray& r) { return turn_of(r.cosine, r.sine); }
 
 /// The rays within two slices of one slice, by turn.
-struct Fan {
-  std::vector<Ray> rays;
-  std::vector<double> turns;
-};
+using Fan = std::vector<Ray>;
 
 Fan fan_around(const Rays& border, std::size_t k) {
   Fan fan;
   const std::size_t first = k > window_slices ? k - window_slices : 0;
   for (std::size_t n = first; n <= std::min(border.size() - 1, k + window_slices); ++n)
-    fan.rays.insert(fan.rays.end(), border[n].begin(), border[n].end());
-  std::sort(fan.rays.begin(), fan.rays.end(),
-            [](const Ray& a, const Ray& b) { return turn_of(a.cosine, a.sine) < turn_of(b.cosine, b.sine); });
-  for (const Ray& r : fan.rays) fan.turns.push_back(turn_of(r.cosine, r.sine));
+    fan.insert(fan.end(), border[n].begin(), border[n].end());
+  std::sort(fan.begin(), fan.end(), [](const Ray& a, const Ray& b) { return turn_of(a) < turn_of(b); });
   return fan;
 }
 
@@ -201,14 +197,14 @@ std::optional<double> quantile_near(const Fan& fan, const Ray& ray, double q) {
   const double low = turn_of(cosine * ray.cosine + sine * ray.sine, cosine * ray.sine - sine * ray.cosine),
                high = turn_of(cosine * ray.cosine - sine * ray.sine, cosine * ray.sine + sine * ray.cosine);
   const auto at = [&](double turn) {
-    return std::lower_bound(fan.turns.begin(), fan.turns.end(), turn) - fan.turns.begin();
+    return std::lower_bound(fan.begin(), fan.end(), turn, [](const Ray& r, double t) { return turn_of(r) < t; }) -
+           fan.begin();
   };
-  const Index from = at(low), to = at(high), count = fan.rays.size();
+  const Index from = at(low), to = at(high), count = fan.size();
   std::vector<double> near;
   const auto look = [&](Index begin, Index end) {
     for (Index n = begin; n < end; ++n)
-      if (const Ray& r = fan.rays[n]; r.cosine * ray.cosine + r.sine * ray.sine > window_cosine)
-        near.push_back(r.distance);
+      if (const Ray& r = fan[n]; r.cosine * ray.cosine + r.sine * ray.sine > window_cosine) near.push_back(r.distance);
   };
   near.reserve(from <= to ? to - from : count - from + to);
   if (from <= to) {
