@@ -82,5 +82,40 @@ TEST(HollowShells, PlacesAreApart) {
   }
 }
 
+TEST(HollowShells, PlacesAreTheBestOnesOfEqualOnesTheFirst) {
+  const Index3 dims{14, 12, 9};
+  Image image = cubic_image(dims, 7);
+  std::mt19937 random(7);
+  for (float& v : image.values) v = static_cast<float>(13 * (random() % 3));  // many shells are worth the same
+  struct Known {
+    Vec3 centre;
+    double radius = 0, worth = 0;
+  };
+  std::vector<Known> all;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i) {
+        all.push_back({centre_of(image.grid, {i, j, k})});
+        for (const double radius : shell_radii_mm) {
+          const auto worth = static_cast<float>(worth_by_definition(image, radius, {i, j, k}));
+          if (worth > all.back().worth) all.back().worth = worth, all.back().radius = radius;
+        }
+      }
+  std::stable_sort(all.begin(), all.end(), [](const Known& a, const Known& b) { return a.worth > b.worth; });
+  std::vector<Known> expected;
+  for (const Known& place : all)
+    if (place.worth > 0 && expected.size() < 10 && std::all_of(expected.begin(), expected.end(), [&](const Known& e) {
+          return (e.centre - place.centre).norm() >= places_apart_mm;
+        }))
+      expected.push_back(place);
+  const std::vector<Place> places = find_places(image);
+  ASSERT_EQ(places.size(), expected.size());
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    EXPECT_EQ(places[n].centre, expected[n].centre);
+    EXPECT_EQ(places[n].radius_mm, expected[n].radius);
+    EXPECT_EQ(places[n].worth, expected[n].worth);
+  }
+}
+
 }  // namespace
 }  // namespace dynasurf::heart

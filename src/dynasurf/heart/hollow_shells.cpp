@@ -35,9 +35,11 @@ Padded pad(const Image& image, int room) {
   for (int& count : grid.dims) count += 2 * room;
   grid.dims[0] += most_lanes;  // the last voxels of a row have neighbours too
   Padded result{Image(grid), room};
-  for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i) result.image(i, j, k) = image.clamped(i - room, j - room, k - room);
+  parallel_for(grid.dims[2], 1, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
+      for (int j = 0; j < grid.dims[1]; ++j)
+        for (int i = 0; i < grid.dims[0]; ++i) result.image(i, j, k) = image.clamped(i - room, j - room, k - room);
+  });
   return result;
 }
 
@@ -141,31 +143,41 @@ std::vector<Place> find_places(const Image& coarse) {
   shells.reserve(shell_radii_mm.size());
   for (const double r : shell_radii_mm) shells.push_back(make_shell(r, padded.image.grid));
 
-  std::vector<Place> all(g.size());
+  std::vector<float> worth(g.size(), 0);
+  std::vector<std::uint8_t> shell_of(g.size(), 0);
   parallel_for(g.dims[2], 1, [&](int begin, int end) {
     field::detail::with_native_vectors([&]<int native>() DYNASURF_INLINE_LAMBDA {
       static_assert(native <= most_lanes);
       for (int k = begin; k < end; ++k)
         for (int j = 0; j < g.dims[1]; ++j)
           for (int i = 0; i < g.dims[0]; i += native)
-            for (const Shell& shell : shells) {
-              float worth[native];
-              simd::store(worth, worth_of<simd::Pack<float, native, native>>(padded.at(i, j, k), shell));
+            for (std::size_t s = 0; s < shells.size(); ++s) {
+              float here[native];
+              simd::store(here, worth_of<simd::Pack<float, native, native>>(padded.at(i, j, k), shells[s]));
               for (int l = 0; l < std::min(native, g.dims[0] - i); ++l) {
-                Place& known = all[g.index(i + l, j, k)];
-                if (worth[l] > known.worth) known = {centre_of(g, {i + l, j, k}), shell.radius_mm, worth[l]};
+                const std::size_t at = g.index(i + l, j, k);
+                if (here[l] > worth[at]) worth[at] = here[l], shell_of[at] = s;
               }
             }
     });
   });
-  std::erase_if(all, [](const Place& p) { return p.worth <= 0; });
-  std::stable_sort(all.begin(), all.end(), [](const Place& a, const Place& b) { return a.worth > b.worth; });
   std::vector<Place> chosen;
-  for (const Place& p : all) {
-    const bool is_new = std::all_of(chosen.begin(), chosen.end(),
-                                    [&](const Place& c) { return (c.centre - p.centre).norm() >= places_apart_mm; });
-    if (is_new) chosen.push_back(p);
-    if (chosen.size() == most_places) break;
+  while (chosen.size() < most_places) {
+    // The best voxel that is not near a chosen one; of equal ones the first. Few are the best so far when it is their
+    // turn, and only those are compared with the chosen ones.
+    Place best;
+    for (std::size_t at = 0; at < worth.size(); ++at) {
+      if (!(worth[at] > best.worth)) continue;
+      const Vec3 centre = centre_of(g, voxel_in(g.dims, at));
+      const bool is_new = std::all_of(chosen.begin(), chosen.end(),
+                                      [&](const Place& c) { return (c.centre - centre).norm() >= places_apart_mm; });
+      if (is_new)
+        best = {centre, shells[shell_of[at]].radius_mm, worth[at]};
+      else
+        worth[at] = 0;
+    }
+    if (!(best.worth > 0)) break;
+    chosen.push_back(best);
   }
   return chosen;
 }

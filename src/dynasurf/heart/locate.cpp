@@ -317,13 +317,18 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
   // shows a much clearer one.
   constexpr double dimmer = 0.6, much = 1.5;
   double beaten = best ? (best->is_clear() ? much : 1) * clarity(*best) : 0;
-  constexpr int looks = 5;
+  std::array<float, 5> cuts;
   double most = *std::max_element(mean.values.begin(), mean.values.end());
-  for (int n = 0; n < looks; ++n) {
-    most *= dimmer;
-    const std::optional<Location> look = look_for(cut_at(mean, most), hints);
+  for (float& cut : cuts) cut = most *= dimmer;
+  std::array<std::optional<Location>, cuts.size()> looks;
+  // Side by side, but for volumes of which several at once would be much memory.
+  constexpr std::size_t much_memory = 4'000'000;
+  const std::size_t grain = mean.values.size() < much_memory ? 1 : looks.size();
+  parallel_for(looks.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) looks[n] = look_for(cut_at(mean, cuts[n]), hints);
+  });
+  for (const std::optional<Location>& look : looks)
     if (look && look->is_clear() && clarity(*look) > beaten) best = look, beaten = clarity(*look);
-  }
   return best;
 }
 
