@@ -6,18 +6,13 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/rounding.hpp"
+#include "dynasurf/core/detail/simd.hpp"
 #include "dynasurf/synthetic/detail/render.hpp"
 
 namespace dynasurf::synthetic {
 namespace {
 
 std::size_t at(Index row, int n) { return row * n; }
-
-/// The four columns around a point of the rotated lattice, and their weights.
-struct Taps {
-  std::array<int, 4> column{-1, -1, -1, -1};
-  std::array<float, 4> weight{};
-};
 
 /// Lies at `a` bins across and depth `b`: p = s (cos, sin) + t (sin, -cos) with t towards the camera.
 Taps taps_at(const ViewModel& view, int a, int b) {
@@ -35,33 +30,46 @@ Taps taps_at(const ViewModel& view, int a, int b) {
   return taps;
 }
 
+// What takes its time in a view: plain loops over columns, for any instruction set. They alone are compiled several
+// times, and what they call is inlined into them.
+
 /// One plane of the rotated volume. Returns false when it is empty.
-bool rotate_plane(const ViewModel& view, const Columns& volume, int b, float* plane) {
+DYNASURF_CLONES
+bool rotate_plane(const ViewModel& view, const Columns& volume, int b, float* __restrict plane) {
   const int n = view.n;
+  const std::vector<float> nothing(n, 0.0F);
   bool any = false;
   for (int a = 0; a < n; ++a) {
-    float* row = plane + at(a, n);
-    std::fill_n(row, n, 0.0F);
-    const Taps taps = taps_at(view, a, b);
+    const Taps& taps = view.taps[at(b, n) + a];
+    std::array<const float*, 4> column;
+    bool any_here = false;
     for (int c = 0; c < 4; ++c) {
-      if (taps.column[c] < 0 || taps.weight[c] == 0) continue;
-      if (!volume.is_empty.empty() && volume.is_empty[taps.column[c]]) continue;
-      const float* column = volume.values.data() + at(taps.column[c], n);
-      const float w = taps.weight[c];
-      for (int z = 0; z < n; ++z) row[z] += w * column[z];
-      any = true;
+      const int place = taps.column[c];
+      const bool is_there = place >= 0 && taps.weight[c] != 0 && (volume.is_empty.empty() || !volume.is_empty[place]);
+      column[c] = is_there ? volume.values.data() + at(place, n) : nothing.data();
+      any_here |= is_there;
     }
+    float* row = plane + at(a, n);
+    any |= any_here;
+    if (!any_here) {
+      std::fill_n(row, n, 0.0F);
+      continue;
+    }
+    const auto [w0, w1, w2, w3] = taps.weight;
+    const auto [c0, c1, c2, c3] = column;
+    for (int z = 0; z < n; ++z) row[z] = w0 * c0[z] + w1 * c1[z] + w2 * c2[z] + w3 * c3[z];
   }
   return any;
 }
 
-void add_plane(const ViewModel& view, const float* plane, int b, Columns& sum) {
+DYNASURF_CLONES
+void add_plane(const ViewModel& view, const float* __restrict plane, int b, Columns& sum) {
   const int n = view.n;
   for (int a = 0; a < n; ++a) {
-    const Taps taps = taps_at(view, a, b);
+    const Taps& taps = view.taps[at(b, n) + a];
     for (int c = 0; c < 4; ++c) {
       if (taps.column[c] < 0 || taps.weight[c] == 0) continue;
-      float* column = sum.values.data() + at(taps.column[c], n);
+      float* __restrict column = sum.values.data() + at(taps.column[c], n);
       const float w = taps.weight[c];
       const float* row = plane + at(a, n);
       for (int z = 0; z < n; ++z) column[z] += w * row[z];
@@ -70,7 +78,7 @@ void add_plane(const ViewModel& view, const float* plane, int b, Columns& sum) {
 }
 
 /// (w, 1 - 2w, w) over the rows of a square: its variance is 2 w. What leaves the camera is lost.
-void blur_across(const float* from, float* to, int n, float w) {
+DYNASURF_INLINE void blur_across(const float* __restrict from, float* __restrict to, int n, float w) {
   const float middle = 1 - 2 * w;
   const std::vector<float> nothing(n, 0.0F);
   for (int a = 0; a < n; ++a) {
@@ -82,7 +90,7 @@ void blur_across(const float* from, float* to, int n, float w) {
   }
 }
 
-void blur_along(const float* from, float* to, int n, float w) {
+DYNASURF_INLINE void blur_along(const float* __restrict from, float* __restrict to, int n, float w) {
   const float middle = 1 - 2 * w;
   for (int a = 0; a < n; ++a) {
     const float* in = from + at(a, n);
@@ -94,6 +102,7 @@ void blur_along(const float* from, float* to, int n, float w) {
 }
 
 /// Kernels of three bins that are used again and again keep the variance exact and become Gaussian.
+DYNASURF_CLONES
 void blur_square(float* square, float* spare, int n, double across, double along) {
   constexpr double most_at_once = 0.5;
   const int passes = ceil_int(std::max(across, along) / most_at_once);
@@ -126,11 +135,35 @@ void spread_scatter(std::vector<float>& square, int n, double share) {
 
 /// (1 - exp(-x)) / x by its series: the mean of exp over a voxel that x attenuates. For x up to 1 within 1e-6. Made of
 /// sums and products, so that it is fast and the same everywhere.
-float mean_transmission(float x) {
+DYNASURF_INLINE float mean_transmission(float x) {
   constexpr float parts[] = {1.0F / 2, 1.0F / 3, 1.0F / 4, 1.0F / 5, 1.0F / 6, 1.0F / 7, 1.0F / 8, 1.0F / 9};
   float sum = 0;
   for (int k = 7; k >= 0; --k) sum = (1 + sum) * (-x * parts[k]);
   return 1 + sum;
+}
+
+/// Photons on their way out through `here`, 1/mm: the part that is `left` before it, and what gets `through` from its
+/// middle.
+DYNASURF_CLONES
+void pass(std::span<const float> here, float step_mm, float* __restrict left, float* __restrict through) {
+  const float* const __restrict per_mm = here.data();
+  for (std::size_t v = 0; v < here.size(); ++v) {
+    const float x = per_mm[v] * step_mm, mean = mean_transmission(x);
+    through[v] = left[v] * mean;
+    left[v] *= 1 - x * mean;  // exp(-x)
+  }
+}
+
+/// Scattered photons of the way out: `scatter` of each that gets through and attenuation length of its `path`.
+DYNASURF_CLONES
+void scatter_on_the_way(std::span<const float> here, float step_mm, float scatter, const float* __restrict through,
+                        float* __restrict path, float* __restrict buildup) {
+  const float* const __restrict per_mm = here.data();
+  for (std::size_t v = 0; v < here.size(); ++v) {
+    const float x = per_mm[v] * step_mm;
+    buildup[v] = scatter * (path[v] + x / 2) * through[v];
+    path[v] += x;
+  }
 }
 
 void attenuate(ViewModel& view, const ViewSettings& s) {
@@ -143,15 +176,8 @@ void attenuate(ViewModel& view, const ViewSettings& s) {
   for (int b = 0; b < n; ++b) {
     rotate_plane(view, *s.attenuation, b, here.data());
     float* through = view.transmission.data() + plane * b;
-    for (std::size_t v = 0; v < plane; ++v) {
-      const float x = here[v] * step, mean = mean_transmission(x);
-      through[v] = left[v] * mean;
-      left[v] *= 1 - x * mean;  // exp(-x)
-      if (s.scatter > 0) {
-        view.buildup[plane * b + v] = scatter * (path[v] + x / 2) * through[v];
-        path[v] += x;
-      }
-    }
+    pass(here, step, left.data(), through);
+    if (s.scatter > 0) scatter_on_the_way(here, step, scatter, through, path.data(), view.buildup.data() + plane * b);
   }
 }
 
@@ -203,11 +229,25 @@ ViewModel make_view(int n, const ViewSettings& settings) {
   view.n = n;
   const double angle = settings.angle_deg * (M_PI / 180);
   view.cos = own::cos(angle), view.sin = own::sin(angle);
+  view.taps.reserve(at(n, n));
+  for (int b = 0; b < n; ++b)
+    for (int a = 0; a < n; ++a) view.taps.push_back(taps_at(view, a, b));
   if (settings.attenuation != nullptr) attenuate(view, settings);
   if (settings.response != nullptr) widen(view, settings);
   view.scatter_share = own::exp(-settings.scatter_slope_per_mm * settings.voxel_mm);
   return view;
 }
+
+namespace {
+
+/// Adds products, of each value with one of `by`.
+DYNASURF_CLONES
+void add_products(std::span<const float> values, const float* __restrict by, float* __restrict sum) {
+  const float* const __restrict value = values.data();
+  for (std::size_t v = 0; v < values.size(); ++v) sum[v] += by[v] * value[v];
+}
+
+}  // namespace
 
 void project_view(const ViewModel& view, const Columns& activity, std::span<float> bins, std::span<float> scattered) {
   const int n = view.n;
@@ -220,12 +260,11 @@ void project_view(const ViewModel& view, const Columns& activity, std::span<floa
   for (int b = n - 1; b >= 0; --b) {
     if (rotate_plane(view, activity, b, plane.data())) {
       any = true;
-      const float* through = view.transmission.empty() ? nullptr : &view.transmission[square * b];
-      for (std::size_t v = 0; v < square; ++v) sum[v] += through != nullptr ? through[v] * plane[v] : plane[v];
-      if (!aside.empty()) {
-        const float* buildup = &view.buildup[square * b];
-        for (std::size_t v = 0; v < square; ++v) aside[v] += buildup[v] * plane[v];
-      }
+      if (view.transmission.empty())
+        for (std::size_t v = 0; v < square; ++v) sum[v] += plane[v];
+      else
+        add_products(plane, &view.transmission[square * b], sum.data());
+      if (!aside.empty()) add_products(plane, &view.buildup[square * b], aside.data());
     }
     if (any && !view.across_steps.empty())
       blur_square(sum.data(), spare.data(), n, view.across_steps[b], view.along_steps[b]);

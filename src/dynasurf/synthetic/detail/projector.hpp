@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,10 +22,17 @@ struct Columns {
 Columns columns_of(const Image& image);
 Image image_of(const Columns& columns, const Grid& grid);
 
+/// The four columns around a point of the rotated lattice, and their weights; -1: beyond the volume.
+struct Taps {
+  std::array<int, 4> column{-1, -1, -1, -1};
+  std::array<float, 4> weight{};
+};
+
 /// What a view does, whatever the activity. Depth 0 is next to the camera.
 struct ViewModel {
   int n = 0;
   double cos = 1, sin = 0;
+  std::vector<Taps> taps;           // per (depth, across)
   std::vector<float> transmission;  // per (depth, across, z): part that leaves the body; empty: all
   std::vector<float> buildup;       // the same: scattered photons; empty: none wanted
   std::vector<double> across_steps,
