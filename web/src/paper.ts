@@ -136,7 +136,7 @@ function provenanceOf({ results }: Report): HTMLElement {
       [
         say("PSF-corrected: surfaces of all gates fitted through the point spread, with 90 % intervals."),
         say("Edge: where the image is steepest; blur makes its volumes small."),
-        say("Gaussian profile: 65 % of the deviations of an asymmetric Gaussian, for comparison with older numbers."),
+        say("Gaussian profile: 65 % of the deviations of an asymmetric Gaussian; its ejection fraction is too high."),
         say("Perfusion: percent of the wall’s brightest twentieth (counts) or upper quartile (fitted uptake)."),
         say("Polar maps are seen from the apex, anterior wall on top, septum left."),
       ].join(" "),

@@ -195,7 +195,7 @@ export function showReadings(place: HTMLElement, results: Results): void {
         ...row(say("Edge"), say("where the image is steepest: blur makes its volumes small"), edge, !isCorrected(results)),
         ...row(
           say("Gaussian profile"),
-          say("65 % of the deviations of an asymmetric Gaussian, constant muscle (QGS-style): for comparison with older numbers"),
+          say("65 % of the deviations of an asymmetric Gaussian, constant muscle (QGS-style): the ejection fraction is too high"),
           gaussian_profile,
         ),
       ),

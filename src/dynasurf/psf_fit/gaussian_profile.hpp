@@ -7,7 +7,8 @@
 
 namespace dynasurf::psf_fit {
 
-/// Volumes as programs of the QGS family read them, so that old numbers can be compared with new ones.
+/// Volumes by the construction of programs of the QGS family. Behind our blur its ejection fraction reads far too high,
+/// which theirs does not: not to be mapped to their numbers.
 struct GaussianProfile {
   std::vector<double> cavity_ml, wall_ml;  // per gate
 };
