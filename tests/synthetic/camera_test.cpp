@@ -375,6 +375,7 @@ TEST(Camera, RefusesWhatDoesNotFit) {
   EXPECT_THROW(project({Image(cube(8, 1))}, &b.attenuation, nullptr, {0}, {100}), InputError);
   const Projections p = b.counts();
   EXPECT_THROW(reconstruct_views(p, nullptr, Osem{.subsets = 7}), OptionError);
+  EXPECT_THROW(require_even_subsets(Osem{.subsets = 8}, 33), OptionError);
   EXPECT_THROW(reconstruct_views(p, nullptr, Osem{.attenuation = true}), InputError);
   EXPECT_THROW(reconstruct_views(p, &b.attenuation, Osem{}), InputError) << "the fine grid is not that of the slices";
 }

@@ -122,6 +122,7 @@ CameraStudy make_camera_study(const CameraPhantom& options, const Progress& prog
   };
   CameraPhantom o = options;
   check_options(o, std::string(CameraPhantom::name));
+  if (const Osem* osem = std::get_if<Osem>(&o.reconstruction)) require_even_subsets(*osem, o.acquisition.views);
   const std::vector<double> radius = radii_of(o);
   const Grid fine = activity_grid(o.acquisition, Vec3(0, 0, heart_place()[2]));
   CameraStudy made;

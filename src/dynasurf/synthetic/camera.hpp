@@ -219,6 +219,9 @@ Projections acquire(const std::vector<Image>& activity, const Image& attenuation
                     const Acquisition& acquisition, std::uint64_t seed);
 std::vector<double> angles_of(const Acquisition& acquisition);
 
+/// Throws OptionError unless the subsets divide the views.
+void require_even_subsets(const Osem& options, std::size_t views);
+
 /// Reconstructs each gate, in counts per voxel and view. Filtered backprojection may be negative. `attenuation`, on
 /// `transaxial_grid`, is needed only where the options ask for it. Throws OptionError, InputError.
 std::vector<Image> reconstruct_views(const Projections& projections, const Image* attenuation,

@@ -112,9 +112,7 @@ void step(const Projections& p, std::size_t gate, bool use_scatter, const std::v
 }
 
 std::vector<Image> run(const Projections& p, const Image* attenuation, const Osem& o) {
-  if (p.views() % o.subsets != 0)
-    throw OptionError("option reconstruction.subsets is " + std::to_string(o.subsets) + "; expected a divisor of the " +
-                      std::to_string(p.views()) + " views");
+  require_even_subsets(o, p.views());
   if (o.scatter && p.scatter.empty())
     throw OptionError("option reconstruction.scatter is true; expected false where the camera noted no scatter");
   if (o.attenuation && attenuation == nullptr) throw InputError("a map of attenuation was expected; there is none");
@@ -149,6 +147,12 @@ std::vector<Image> run(const Projections& p, const Image* attenuation, const Ose
 }
 
 }  // namespace
+
+void require_even_subsets(const Osem& options, std::size_t views) {
+  if (views % options.subsets != 0)
+    throw OptionError("option reconstruction.subsets is " + std::to_string(options.subsets) +
+                      "; expected a divisor of the " + std::to_string(views) + " views");
+}
 
 std::vector<Image> reconstruct_views(const Projections& projections, const Image* attenuation,
                                      const Reconstruction& options) {

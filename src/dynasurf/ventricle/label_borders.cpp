@@ -94,7 +94,7 @@ int follow_cavity_down(int division, const Mask& borders, const Axis& axis, Note
     while (slice >= 0 && both(slice)) --slice;
   if (slice != division)
     notes.push_back({Severity::info, "slice_find.lowered",
-                     "The inner border reaches below slice " + std::to_string(division + 1) +
+                     "The inner border reaches below slice " + std::to_string(division + 2) +
                          ", where the cavity seemed to end: down to slice " + std::to_string(slice + 2) + ".",
                      -1, slice});
   return slice;
