@@ -91,6 +91,20 @@ TEST(CanonicalStudy, KeepsAnEmptyStudyAndSaysSo) {
   EXPECT_EQ(canonical.notes[0].severity, Severity::failure);
 }
 
+TEST(CanonicalStudy, TellsOfAGateThatWasStoredTwice) {
+  Study study = cup_study(4);
+  for (std::size_t g = 0; g < study.gates.size(); ++g)
+    for (float& v : study.gates[g].values) v *= 1 - 0.1F * static_cast<float>(g);
+  EXPECT_TRUE(canonical_study(study).notes.empty());
+  study.gates[2] = study.gates[1];
+  const Notes notes = canonical_study(study).notes;
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].code, "study.same_gates");
+  EXPECT_EQ(notes[0].severity, Severity::warning);
+  EXPECT_EQ(notes[0].message, "gates 2 and 3 hold the same values: one of them may be lost");
+  EXPECT_TRUE(canonical_study(cup_study(4)).notes.empty()) << "nothing moves";
+}
+
 TEST(CanonicalStudy, RefusesWhatItCannotWorkOn) {
   Study other_view = cup_study();
   other_view.view = View::horizontal_long_axis;

@@ -444,5 +444,15 @@ TEST(Judge, DoesNotMissTheOuterBorderOfABloodPool) {
   EXPECT_EQ(codes_of(result), (Codes{"surface_missing", "blood_pool"}));
 }
 
+TEST(Judge, FailsForABloodPoolThatIsNoCavity) {
+  Result result = good_result();
+  for (Gate& gate : result.gates)
+    gate.edge_surfaces.epi.reset(), gate.edge_surfaces.wall_ml.reset(), gate.labels.bright = ImageContrast::cavity;
+  result.heart.reset(), result.wall_variation.reset();
+  result.leading.edv_ml = heart::Estimate{797};
+  EXPECT_TRUE(is_flagged(result, "volume_implausible"));
+  EXPECT_EQ(verdict_of(assess(result)), Verdict::fail) << "nothing but its brightness says that it is a heart";
+}
+
 }  // namespace
 }  // namespace dynasurf::ventricle

@@ -377,6 +377,22 @@ void end_walls_as_said(const FitStart& start, const Grid& grid, const HeartFrame
   height += shift[2] - along_x * shift[0] - along_y * shift[1];
 }
 
+/// What the image shows of its reconstruction.
+void tell_reconstruction(const Study& study, const Blur& blur, const std::optional<Refiltered>& refiltered,
+                         const Fitting& fit, FittedBeat& beat) {
+  if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
+  if (study.gates.size() == 1 && blur.fwhm_mm > 0 && is_spect(study))
+    beat.notes.push_back({Severity::warning, "fit.ungated",
+                          "one gate does not show what the reconstruction did (filter, attenuation): behind a camera "
+                          "walls were read half as thick again"});
+  if (const double seen = attenuation_seen(fit); seen > 0) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the image shows attenuation that its reconstruction did not correct: %.1f of what is usual", seen);
+    beat.notes.push_back({Severity::info, "fit.attenuation", text});
+  }
+}
+
 }  // namespace
 
 FittedBeat fit_through_blur(const Study& original, const FitStart& start, const BlurFit& requested,
@@ -418,13 +434,7 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   const Corrections known = corrections_of(fit, start, blur, options, attenuation, is_spect(study));
   settle_on_reported_walls(problem, solution, known, progress);
 
-  if (refiltered) beat.notes.push_back({Severity::info, "fit.filter_exchanged", refiltered->note});
-  if (const double seen = attenuation_seen(fit); seen > 0) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the image shows attenuation that its reconstruction did not correct: %.1f of what is usual", seen);
-    beat.notes.push_back({Severity::info, "fit.attenuation", text});
-  }
+  tell_reconstruction(study, blur, refiltered, fit, beat);
   noted.emplace("fit: intervals");
   beat.steps = solution.steps;
   beat.objective = solution.objective.value;

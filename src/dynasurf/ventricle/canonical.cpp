@@ -50,6 +50,19 @@ float peak_of(std::span<const Image> gates) {
   return std::max(0.0F, *std::max_element(peaks.begin(), peaks.end()));
 }
 
+/// Neighbouring gates of the same values are one gate that was stored twice, unless nothing moves at all.
+void tell_same_gates(Study& study) {
+  const std::size_t gates = study.gates.size();
+  std::vector<std::size_t> like_next;
+  for (std::size_t g = 0; g + 1 < gates; ++g)
+    if (study.gates[g].values == study.gates[g + 1].values) like_next.push_back(g);
+  if (like_next.empty() || like_next.size() + 1 == gates) return;
+  const std::size_t first = like_next.front();
+  study.notes.push_back({Severity::warning, "study.same_gates",
+                         "gates " + std::to_string(first + 1) + " and " + std::to_string(first + 2) +
+                             " hold the same values: one of them may be lost"});
+}
+
 void require_workable(const Study& study) {
   if (study.gates.empty()) throw InputError("the study holds no volume; expected at least one gate");
   const Grid& grid = study.grid();
@@ -140,6 +153,7 @@ Study canonical_study(Study study) {
     study.notes.push_back({Severity::failure, "study.empty", "the study holds no positive value"});
     return study;
   }
+  tell_same_gates(study);
   parallel_for(study.gates.size(), 1, [&](std::size_t g, std::size_t) {
     for (float& v : study.gates[g].values) v /= peak;
   });

@@ -134,7 +134,8 @@ void flag_numbers(const Result& result, const QualityMetrics& clues, std::vector
          clues.readings_apart});
   if (edv && (edv->value < least_edv_ml || edv->value > most_edv_ml))
     flags.push_back(
-        {"volume_implausible", severity(edv->value < impossible_small_ml || edv->value > impossible_large_ml),
+        {"volume_implausible",
+         severity(edv->value < impossible_small_ml || edv->value > impossible_large_ml || is_blood_pool(result)),
          format("an end-diastolic volume of %.1f mL is outside %.0f-%.0f mL", edv->value, least_edv_ml, most_edv_ml),
          edv->value});
 }
