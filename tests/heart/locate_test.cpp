@@ -112,16 +112,84 @@ TEST(LocateCup, SpansTheGapOfALargeDefect) {
   EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 3);
 }
 
-TEST(LocateCup, KeepsWhatAPersonSays) {
+TEST(LocateCup, KeepsTheAxisThatAPersonSays) {
   const synthetic::VirtualPatient patient = tilted_patient(60);
   const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   LocateHints hints;
-  hints.centre_mm = middle_of_cavity(phantom) + Vec3(3, -2, 1);
   hints.axis = -3 * true_axis(phantom, patient.pose);  // even if it is wrong: apex and base exchanged
   const auto found = locate(mean_image(phantom.study.gates), hints);
   ASSERT_TRUE(found);
   EXPECT_LT(angle_deg(found->cup.axis, *hints.axis), 1e-5);
-  EXPECT_LT((found->cup.middle() - *hints.centre_mm).norm(), 1e-9);
+}
+
+/// Something flat beside the heart, much brighter than its wall.
+Image with_hot_slab(Image mean, const Vec3& middle, double times) {
+  const Index3 v = voxel_of(mean.grid, to_grid(mean.grid, middle));
+  const float wall = *std::max_element(mean.values.begin(), mean.values.end());
+  for (int k = v[2] - 8; k < v[2] + 8; ++k)
+    for (int j = v[1] + 13; j < v[1] + 17; ++j)
+      for (int i = v[0] - 10; i < v[0] + 10; ++i) mean(i, j, k) = times * wall;
+  return mean;
+}
+
+class HotSlab : public testing::TestWithParam<double> {};
+
+TEST_P(HotSlab, DrawsNoSearchToItself) {
+  const synthetic::VirtualPatient patient = tilted_patient(20);
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
+  const Vec3 middle = middle_of_cavity(phantom);
+  const auto found = locate(with_hot_slab(mean_image(phantom.study.gates), middle, GetParam()));
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->is_clear());
+  EXPECT_LT(angle_deg(found->cup.axis, true_axis(phantom, patient.pose)), 8);
+  EXPECT_LT(distance_to_axis(middle, found->cup), 4);
+}
+INSTANTIATE_TEST_SUITE_P(Times, HotSlab, testing::Values(3.0, 15.0, 60.0));
+
+/// Of whose wall a defect left a ring in a bright body.
+synthetic::VirtualPatient patient_without_apex() {
+  synthetic::VirtualPatient patient = tilted_patient(70);
+  patient.edv_ml = 160, patient.background = 0.3;
+  patient.defect = synthetic::Defect::apical, patient.defect_extent_deg = 110, patient.defect_severity = 1;
+  return patient;
+}
+
+TEST(LocateCup, FindsTheRingAtWhichAPersonPoints) {
+  const synthetic::VirtualPatient patient = patient_without_apex();
+  const synthetic::Phantom phantom = synthetic::make_phantom(patient);
+  LocateHints hints;
+  hints.centre_mm = middle_of_cavity(phantom) + Vec3(6, -5, 4);
+  const Image mean = mean_image(phantom.study.gates);
+  const auto alone = locate(mean);
+  EXPECT_FALSE(alone && alone->is_clear()) << "too little of the wall is seen";
+  const auto found = locate(mean, hints);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->is_pointed_at && found->is_believed() && !found->is_clear());
+  EXPECT_LT(angle_deg(found->cup.axis, true_axis(phantom, patient.pose)), 15);
+  EXPECT_LT((found->cup.middle() - *hints.centre_mm).norm(), 25);
+}
+
+TEST(LocateCup, BelievesNoOneWhoPointsAtABall) {
+  Grid grid;
+  grid.dims = {40, 40, 40};
+  grid.spacing = {5, 5, 5};
+  Image ball(grid);
+  const Vec3 middle(100, 100, 100);
+  for (int k = 0; k < 40; ++k)
+    for (int j = 0; j < 40; ++j)
+      for (int i = 0; i < 40; ++i) ball(i, j, k) = std::exp(-(centre_of(grid, {i, j, k}) - middle).squaredNorm() / 800);
+  LocateHints hints;
+  hints.centre_mm = to_world(grid, middle);
+  const auto found = locate(ball, hints);
+  EXPECT_FALSE(found && found->is_believed());
+}
+
+TEST(LvShell, HasTheVolumeOfItsPartBelowTheBase) {
+  const LvShell half{{0, 0, 0}, {0, 0, 1}, 30, 45, 0};
+  EXPECT_NEAR(volume_mm3(half), 2.0 / 3 * std::numbers::pi * 30 * 30 * 45, 1e-6);
+  LvShell whole = half;
+  whole.base_mm = 45;
+  EXPECT_NEAR(volume_mm3(whole), 2 * volume_mm3(half), 1e-6);
 }
 
 TEST(LocateCup, FindsNothingInAnEmptyVolume) {

@@ -234,58 +234,161 @@ void describe_fit(const Image& image, Location& found) {
   if (!away.empty()) found.spread_mm = upper_median(away);
 }
 
-std::optional<Location> look_for(const Image& mean, const LocateHints& hints) {
-  const Image smooth = image::smooth_gaussian(mean, smooth_mm);
-  const Image coarse = coarsened(smooth);
-  const double typical = bright_level(coarse);
-  if (!(typical > 0)) return std::nullopt;
+/// What a search looks at, and the best places for a usual cup in it, the best first. Grid frame.
+struct Search {
+  Image smooth;
+  double typical = 0;  // brightness
+  std::vector<Candidate> found;
+  std::optional<Vec3> middle, axis;  // that a person gave
+};
 
-  std::vector<Vec3> directions = cube_directions();
+/// A person points at a heart from near its middle.
+constexpr double pointed_mm = 25;
+
+bool is_pointed_at(const Search& search, const LvShell& cup) {
+  return !search.middle || (cup.middle() - *search.middle).norm() <= pointed_mm;
+}
+
+std::vector<Place> places_around(const Vec3& middle) {
+  constexpr double step_mm = 8;
   std::vector<Place> places;
-  std::optional<Vec3> middle, axis;
-  if (hints.centre_mm) {
-    middle = to_grid(mean.grid, *hints.centre_mm);
-    for (double r : shell_radii_mm) places.push_back({*middle, r, 1});
-  } else {
-    places = find_places(coarse);
+  for (const double r : shell_radii_mm) {
+    places.push_back({middle, r, 1});
+    for (int a = 0; a < 3; ++a)
+      for (const double way : {-1.0, 1.0}) places.push_back({middle + way * step_mm * Vec3::Unit(a), r, 1});
   }
+  return places;
+}
+
+Search search_in(const Image& mean, const LocateHints& hints) {
+  Search search{image::smooth_gaussian(mean, smooth_mm), 0, {}, {}, {}};
+  const Image coarse = coarsened(search.smooth);
+  search.typical = bright_level(coarse);
+  if (!(search.typical > 0)) return search;
+  if (hints.centre_mm) search.middle = to_grid(mean.grid, *hints.centre_mm);
+  if (hints.axis) search.axis = (mean.grid.direction.transpose() * *hints.axis).normalized();
+  std::vector<Place> places = search.middle ? places_around(*search.middle) : find_places(coarse);
   if (hints.radius_mm)
     for (Place& p : places) p.radius_mm = *hints.radius_mm;
-  if (hints.axis) {
-    axis = (mean.grid.direction.transpose() * *hints.axis).normalized();
-    directions = {*axis};
-  }
-
-  std::vector<Candidate> found(places.size());
-  parallel_for(places.size(), 1,
-               [&](std::size_t p, std::size_t) { found[p] = best_cup(coarse, places[p], directions, typical); });
-  std::erase_if(found, [](const Candidate& c) { return !(c.worth > 0); });
-  if (found.empty()) return std::nullopt;
-  std::stable_sort(found.begin(), found.end(),
+  const std::vector<Vec3> directions = search.axis ? std::vector{*search.axis} : cube_directions();
+  search.found.resize(places.size());
+  parallel_for(places.size(), 1, [&](std::size_t p, std::size_t) {
+    search.found[p] = best_cup(coarse, places[p], directions, search.typical);
+  });
+  std::erase_if(search.found, [&](const Candidate& c) { return !(c.worth > 0 && is_pointed_at(search, c.cup)); });
+  std::stable_sort(search.found.begin(), search.found.end(),
                    [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  return search;
+}
 
+/// What is known of a cup that was found.
+Location location_of(const Search& search, const LvShell& found, double other_end) {
+  const Image& smooth = search.smooth;
+  const std::optional<Vec3> middle = is_pointed_at(search, found) ? std::nullopt : search.middle;
   Location result;
-  const LvShell& first = found.front().cup;
-  const Scene scene{smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * typical};
-  Candidate best = best_refinement(scene, first);
-  if (!(best.worth > 0)) return std::nullopt;
-  if (!hints.axis) {
-    Candidate other = best_refinement(scene, exchanged(best.cup));
-    if (other.worth > best.worth) std::swap(best, other);
-    result.other_end = other.cup.axis.dot(best.cup.axis) < 0 ? other.worth / best.worth : 0;
-  }
-  result.cup = held(best.cup, middle, axis);
-  for (const Candidate& c : found)
+  result.other_end = other_end;
+  result.cup = held(found, middle, search.axis);
+  for (const Candidate& c : search.found)
     if ((c.cup.middle() - result.cup.middle()).norm() > 2 * places_apart_mm) {
-      result.runner_up = c.worth / found.front().worth;
-      result.runner_up_mm = to_world(mean.grid, c.cup.middle());
+      result.runner_up = c.worth / search.found.front().worth;
+      result.runner_up_mm = to_world(smooth.grid, c.cup.middle());
       break;
     }
   describe_fit(smooth, result);
-  result.cup = held(without_blur(result.cup), middle, axis);
-  result.outside = share_outside(mean.grid, result.cup);
-  result.cup = to_world(mean.grid, result.cup);
+  result.cup = held(without_blur(result.cup), middle, search.axis);
+  result.outside = share_outside(smooth.grid, result.cup);
+  result.cup = to_world(smooth.grid, result.cup);
   return result;
+}
+
+/// The heart at one of the places of a search.
+std::optional<Location> settle_at(const Search& search, const LvShell& first) {
+  const Scene scene{search.smooth, first.middle(), 2 * first.radius_mm + 25, 1.2 * search.typical};
+  Candidate best = best_refinement(scene, first);
+  if (!(best.worth > 0)) return std::nullopt;
+  double other_end = 0;
+  if (!search.axis) {
+    Candidate other = best_refinement(scene, exchanged(best.cup));
+    if (other.worth > best.worth) std::swap(best, other);
+    other_end = other.cup.axis.dot(best.cup.axis) < 0 ? other.worth / best.worth : 0;
+  }
+  return location_of(search, best.cup, other_end);
+}
+
+/// Nearly the brightest value around a place.
+double bright_around(const Image& smooth, const Vec3& middle) {
+  constexpr double reach_mm = 50, step_mm = 5, bright = 0.97;
+  constexpr int steps = reach_mm / step_mm;
+  std::vector<float> values;
+  for (int k = -steps; k <= steps; ++k)
+    for (int j = -steps; j <= steps; ++j)
+      for (int i = -steps; i <= steps; ++i) {
+        const Vec3 p = middle + step_mm * Vec3(i, j, k);
+        const Index3 voxel = voxel_of(smooth.grid, p);
+        if (i * i + j * j + k * k <= steps * steps && smooth.grid.contains(voxel[0], voxel[1], voxel[2]))
+          values.push_back(image::sample_linear(smooth, p));
+      }
+  return quantile(values, bright);
+}
+
+/// Whether the brighter part of a wall is brighter than what it encloses.
+bool is_hollow(const Image& smooth, const LvShell& cup) {
+  constexpr double brighter_part = 0.75;
+  std::vector<double> wall;
+  for (const RidgePoint& p : find_ridge(smooth, cup, 6, 16, 10)) wall.push_back(p.brightness);
+  const std::size_t rank = brighter_part * wall.size();
+  return of_rank(std::move(wall), rank) > image::sample_linear(smooth, cup.middle());
+}
+
+/// The cup that explains best what lies around a place at which a person points: a ring too, of whose wall half is not
+/// seen. Absent where nothing there is hollow.
+std::optional<Location> explain_around(const Search& search) {
+  constexpr double reach_mm = 65;
+  constexpr std::size_t refined_cups = 8;
+  const Image& smooth = search.smooth;
+  const Vec3& middle = *search.middle;
+  const Scene scene{smooth, middle, reach_mm, 1.2 * bright_around(smooth, middle)};
+  std::vector<Candidate> tries;
+  for (const Vec3& axis : search.axis ? std::vector{*search.axis} : cube_directions())
+    for (const double radius : shell_radii_mm)
+      tries.push_back({held(usual_cup(middle, axis, radius), middle, std::nullopt), 0});
+  const auto explain = [&](std::span<Candidate> cups) {
+    parallel_for(cups.size(), 1,
+                 [&](std::size_t n, std::size_t) { cups[n].worth = own::pow(explained_share(scene, cups[n].cup), 4); });
+    std::stable_sort(cups.begin(), cups.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  };
+  explain(tries);
+  std::vector<Candidate> cups;
+  for (std::size_t n = 0; n < std::min(refined_cups, tries.size()); ++n)
+    for (const bool may_grow : {false, true}) {
+      const LvShell cup = held(refined(smooth, tries[n].cup, may_grow), std::nullopt, search.axis);
+      if (is_pointed_at(search, cup) && is_hollow(smooth, cup)) cups.push_back({cup, 0});
+    }
+  if (cups.empty()) return std::nullopt;
+  explain(cups);
+  std::vector<Candidate> other{{refined(smooth, exchanged(cups.front().cup), false), 0}};
+  explain(other);
+  Location result = location_of(search, cups.front().cup, search.axis ? 0 : other.front().worth / cups.front().worth);
+  result.is_pointed_at = true;
+  return result;
+}
+
+/// The heart at the best place of a volume or, where no wall is clearly seen there, at the next ones that lie apart.
+std::optional<Location> look_for(const Image& mean, const LocateHints& hints, int most_places) {
+  const Search search = search_in(mean, hints);
+  std::optional<Location> first;
+  std::vector<Vec3> seen;
+  for (const Candidate& c : search.found) {
+    const auto is_near = [&](const Vec3& place) { return (place - c.cup.middle()).norm() < places_apart_mm; };
+    if (std::any_of(seen.begin(), seen.end(), is_near)) continue;
+    std::optional<Location> here = settle_at(search, c.cup);
+    if (here && here->is_clear()) return here;
+    if (seen.empty()) first = std::move(here);
+    seen.push_back(c.cup.middle());
+    if (std::ssize(seen) >= most_places) break;
+  }
+  return first;
 }
 
 double clarity(const Location& l) { return l.contrast * l.ridge_share; }
@@ -296,6 +399,26 @@ bool is_plain(const Location& l) { return l.contrast >= 0.35 && l.ridge_share >=
 Image cut_at(Image image, float most) {
   for (float& value : image.values) value = std::min(value, most);
   return image;
+}
+
+/// The heart in the volume with its brightness cut at five levels, each lower than the one before, from `most`
+/// downwards; `most` becomes the last. A cut that takes a large part of the volume cuts more than what is hot.
+std::vector<std::optional<Location>> looks_with_cuts(const Image& mean, const LocateHints& hints, int places,
+                                                     double& most) {
+  constexpr double dimmer = 0.6, large_part = 0.2;
+  std::array<float, 5> cuts;
+  for (float& cut : cuts) cut = most *= dimmer;
+  std::vector<std::optional<Location>> looks(cuts.size());
+  // Side by side, but for volumes of which several at once would be much memory.
+  constexpr std::size_t much_memory = 4'000'000;
+  const std::size_t grain = mean.values.size() < much_memory ? 1 : looks.size();
+  parallel_for(looks.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const double above = std::count_if(mean.values.begin(), mean.values.end(), [&](float v) { return v > cuts[n]; });
+      if (above < large_part * mean.values.size()) looks[n] = look_for(cut_at(mean, cuts[n]), hints, places);
+    }
+  });
+  return looks;
 }
 
 }  // namespace
@@ -310,26 +433,23 @@ Image mean_image(std::span<const Image> gates) {
 }
 
 std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
-  std::optional<Location> best = look_for(mean, hints);
+  constexpr int many_places = 5;
+  std::optional<Location> best = look_for(mean, hints, many_places);
   if (best && is_plain(*best)) return best;
   // Something hotter than the wall may draw the search to itself. How bright the wall is, is not known: the cut falls
-  // to a thirteenth of the peak, and the look that sees a wall best counts. One that is clear uncut stays unless a cut
-  // shows a much clearer one.
-  constexpr double dimmer = 0.6, much = 1.5;
-  double beaten = best ? (best->is_clear() ? much : 1) * clarity(*best) : 0;
-  std::array<float, 5> cuts;
+  // to a thirteenth of the peak, and where no wall is seen then, to a hundred-and-sixtieth; the look that sees a wall
+  // best counts. One that is clear uncut stays unless a cut shows a much clearer one.
+  constexpr double much = 1.5;
+  const bool is_clear_uncut = best && best->is_clear();
+  double beaten = best ? (is_clear_uncut ? much : 1) * clarity(*best) : 0;
   double most = *std::max_element(mean.values.begin(), mean.values.end());
-  for (float& cut : cuts) cut = most *= dimmer;
-  std::array<std::optional<Location>, cuts.size()> looks;
-  // Side by side, but for volumes of which several at once would be much memory.
-  constexpr std::size_t much_memory = 4'000'000;
-  const std::size_t grain = mean.values.size() < much_memory ? 1 : looks.size();
-  parallel_for(looks.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) looks[n] = look_for(cut_at(mean, cuts[n]), hints);
-  });
-  for (const std::optional<Location>& look : looks)
-    if (look && look->is_clear() && clarity(*look) > beaten) best = look, beaten = clarity(*look);
-  return best;
+  const int rounds = hints.centre_mm ? 1 : 2;
+  for (int round = 0; round < rounds && !(round > 0 && best && best->is_clear()); ++round)
+    for (const std::optional<Location>& look : looks_with_cuts(mean, hints, is_clear_uncut ? 1 : many_places, most))
+      if (look && look->is_clear() && clarity(*look) > beaten) best = look, beaten = clarity(*look);
+  if (!hints.centre_mm || (best && best->is_clear())) return best;
+  const std::optional<Location> explained = explain_around(search_in(mean, hints));
+  return explained ? explained : best;
 }
 
 }  // namespace dynasurf::heart

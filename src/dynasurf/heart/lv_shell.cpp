@@ -129,6 +129,12 @@ ShellPoint on_cup(const LvShell& cup, const ShellBasis& a, double theta, double 
 
 double base_angle(const LvShell& cup) { return own::acos(std::clamp(-cup.base_mm / cup.half_length_mm, -0.98, 0.98)); }
 
+double volume_mm3(const LvShell& cup) {
+  const double height = std::clamp(cup.base_mm / cup.half_length_mm, -1.0, 1.0);
+  return std::numbers::pi * cup.radius_mm * cup.radius_mm * cup.half_length_mm *
+         (2.0 / 3 + height - height * height * height / 3);
+}
+
 double signed_distance(const LvShell& cup, const Vec3& p) {
   const Vec3 d = p - cup.centre;
   const double z = d.dot(cup.axis);

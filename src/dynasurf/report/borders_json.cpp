@@ -30,7 +30,8 @@ Json location_json(const std::optional<heart::Location>& heart) {
           {"runner_up", heart->runner_up},
           {"runner_up_mm", heart->runner_up_mm ? list(*heart->runner_up_mm) : Json(nullptr)},
           {"outside", heart->outside},
-          {"other_end", heart->other_end}};
+          {"other_end", heart->other_end},
+          {"is_pointed_at", heart->is_pointed_at}};
 }
 
 Vec3 vector_in(const io::JsonNode& object, std::string_view key) {
@@ -83,6 +84,7 @@ std::optional<heart::Location> read_location(const std::filesystem::path& path) 
   if (io::has(node, "runner_up_mm")) heart.runner_up_mm = vector_in(node, "runner_up_mm");
   heart.outside = io::number_in(node, "outside");
   heart.other_end = io::number_in(node, "other_end");
+  heart.is_pointed_at = io::flag_in(node, "is_pointed_at");
   return heart;
 }
 

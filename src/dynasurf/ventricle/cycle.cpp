@@ -164,7 +164,7 @@ CoarseCircle circle_around(const Study& study, const std::optional<heart::Locati
 }
 
 std::optional<double> expected_cavity_end(const Study& study, const std::optional<heart::Location>& heart) {
-  if (!heart || !heart->is_clear()) return std::nullopt;
+  if (!heart || !heart->is_believed()) return std::nullopt;
   const heart::LvShell cup = to_grid(study.grid(), heart->cup);
   if (cup.axis[2] <= 0) return std::nullopt;
   return (cup.apex() + half_wall_mm * cup.axis)[2] / study.grid().spacing[2];

@@ -27,7 +27,7 @@ double bright_wall(const Image& mean, const heart::LvShell& cup) {
 }  // namespace
 
 std::optional<Study> cut_hot_objects(const Study& study, const heart::Location& heart) {
-  if (!heart.is_clear()) return std::nullopt;
+  if (!heart.is_believed()) return std::nullopt;
   const Image mean = heart::mean_image(study.gates);
   const double wall = bright_wall(mean, to_grid(mean.grid, heart.cup));
   const float peak = peak_of(study.gates);

@@ -47,7 +47,7 @@ Study cut_anew(const Study& study, const heart::Location& heart, const Orientati
 
 /// A stack of which the file does not say that it is another view.
 Study keep_unless_contradicted(const Study& study, const heart::Location& heart, const Orientation& o) {
-  const bool is_clear = heart.contrast >= o.least_contrast;
+  const bool is_clear = heart.is_pointed_at || heart.contrast >= o.least_contrast;
   const double tilt = tilt_of(study, heart.cup);
   if (tilt > o.most_tilt_deg) {
     const std::string text = format("the slices lean by %.0f degrees from square to the long axis", tilt);
@@ -185,7 +185,7 @@ Study orient(const Study& study, const std::optional<heart::Location>& heart, co
     return study;
   }
   if (o.method == OrientationMethod::automatic && is_square) return keep_unless_contradicted(study, *heart, o);
-  const bool is_clear = heart->contrast >= o.least_contrast;
+  const bool is_clear = heart->is_pointed_at || heart->contrast >= o.least_contrast;
   Study result =
       cut_anew(study, *heart, o, Severity::info, "the slices are " + std::string(name_of(study.view)) + " ones");
   if (!is_clear || heart->other_end > 0.95)

@@ -220,7 +220,7 @@ constexpr std::array<std::string_view, 3> pipeline_names{"surface", "contour", "
 /// all gates: the cavity of a small heart at end-systole may look filled.
 ImageContrast detect_contrast(const Study& study, const std::optional<heart::Location>& heart, const Options& options) {
   if (options.labels.bright != ImageContrast::automatic) return options.labels.bright;
-  if (heart && heart->is_clear()) return ImageContrast::wall;
+  if (heart && heart->is_believed()) return ImageContrast::wall;
   Notes notes;
   const Image mean = image::normalise(heart::mean_image(study.gates), notes);
   return label_borders(mean, image::detect_edges(mean, options.edges), options.labels).bright;

@@ -38,6 +38,9 @@ ShellPoint on_cup(const LvShell& cup, const ShellBasis& a, double theta, double 
 /// Polar angle at which the cup reaches its base plane.
 double base_angle(const LvShell& cup);
 
+/// Volume within the ellipsoid below its base plane, mm^3.
+double volume_mm3(const LvShell& cup);
+
 /// Distance of a point from the ellipsoid to first order: positive outside.
 double signed_distance(const LvShell& cup, const Vec3& p);
 

@@ -66,7 +66,7 @@ struct UserOverrides {
   std::string reader, comment;
 };
 void describe(auto& visit, UserOverrides& o) {
-  visit("center_mm", o.center_mm, OptionInfo{"middle of the heart x,y,z, world (LPS)", "mm"});
+  visit("center_mm", o.center_mm, OptionInfo{"middle of the heart x,y,z to within 25 mm, world (LPS)", "mm"});
   visit("axis", o.axis, OptionInfo{"long axis x,y,z from apex to base, world (LPS), any length"});
   visit("radius_mm", o.radius_mm, OptionInfo{"radius of the circle around the ventricle", "mm", 5, 200});
   visit("first_slice", o.first_slice, OptionInfo{"first slice of the ventricle, from 1 at the apex", "", 1, 10000});
