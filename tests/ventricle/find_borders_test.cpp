@@ -77,6 +77,37 @@ TEST(BloodPoolStudy, HasACavityAndAnEjectionFractionButNoWall) {
       << "the edge lies near the rim, and the base is open";
 }
 
+bool has_flag(const Result& result, const std::string& code, Severity severity) {
+  return std::any_of(result.flags.begin(), result.flags.end(),
+                     [&](const QualityFlag& f) { return f.code == code && f.severity == severity; });
+}
+
+TEST(Fit, GoesWithoutAnEdgeSurfaceWhereTheHeartIsPlain) {
+  synthetic::VirtualPatient o;
+  o.gates = 4, o.lattice = {40, 40, 24, 5, 5, 5};
+  synthetic::Phantom phantom = synthetic::make_phantom(o);
+  // In two gates the cavity is as bright as the wall.
+  const Grid& grid = phantom.study.grid();
+  const auto heart = heart::locate(heart::mean_image(phantom.study.gates));
+  ASSERT_TRUE(heart);
+  for (const int g : {1, 2}) {
+    std::vector<float>& values = phantom.study.gates[g].values;
+    const float wall = *std::max_element(values.begin(), values.end());
+    for (int k = 0; k < grid.dims[2]; ++k)
+      for (int j = 0; j < grid.dims[1]; ++j)
+        for (int i = 0; i < grid.dims[0]; ++i)
+          if (heart::signed_distance(heart->cup, to_world(grid, centre_of(grid, {i, j, k}))) < 0)
+            values[grid.index(i, j, k)] = wall;
+  }
+  const Result result = reconstruct(phantom.study, {});
+  EXPECT_FALSE(result.gates[1].edge_surfaces.endo && result.gates[1].edge_surfaces.epi);
+  EXPECT_TRUE(has_flag(result, "surface_missing", Severity::warning));
+  EXPECT_EQ(result.verdict, Verdict::check);
+  ASSERT_TRUE(result.readings.psf_corrected);
+  EXPECT_FALSE(result.readings.edge.edv_ml) << "edges alone read nothing";
+  EXPECT_TRUE(result.leading.edv_ml && result.leading.edv_ml->has_interval());
+}
+
 TEST(ExpectedCavityEnd, LiesUnderTheApexOfAHeartThatWasClearlySeen) {
   Study study = study_of(test::blurred_heart({}));  // slices of 5.74 mm
   heart::Location heart;

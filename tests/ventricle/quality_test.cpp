@@ -62,6 +62,16 @@ TEST(Judge, FailsWhenASurfaceIsMissingAndNamesTheGates) {
   EXPECT_EQ(verdict_of(flags), Verdict::fail);
 }
 
+TEST(Judge, AsksToCheckWhereTheFitWentWithoutASurface) {
+  Result result = good_result();
+  result.gates[2].edge_surfaces.endo.reset();
+  result.readings.psf_corrected.emplace();
+  const std::vector<QualityFlag> flags = assess(result);
+  ASSERT_FALSE(flags.empty());
+  EXPECT_EQ(flags[0].code, "surface_missing");
+  EXPECT_EQ(verdict_of(flags), Verdict::check);
+}
+
 TEST(Judge, TellsAMissingSurfaceOnce) {
   Result result = good_result();
   result.gates[2].edge_surfaces.endo.reset();

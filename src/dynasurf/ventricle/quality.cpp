@@ -80,6 +80,11 @@ Severity doubt_of_edges(const Result& result, double value, double most_beside_a
   return value > most_beside_a_fit ? Severity::warning : doubt_of_edges(result);
 }
 
+/// What no edges can be measured with. A fit goes without them, but none that its intervals were learned on did.
+Severity failure_of_edges(const Result& result) {
+  return result.readings.psf_corrected ? Severity::warning : Severity::failure;
+}
+
 bool is_blood_pool(const Result& result) {
   return !result.gates.empty() && result.gates.front().labels.bright == ImageContrast::cavity;
 }
@@ -89,9 +94,9 @@ void flag_surfaces(const Result& result, std::vector<QualityFlag>& flags) {
     if (wall == Border::epi && is_blood_pool(result)) continue;
     const auto surface = [wall](const Gate& g) -> const std::optional<Surface>& { return g.edge_surfaces.of(wall); };
     const std::string name(name_of(wall));
-    flag_gates(result, flags, "surface_missing", Severity::failure, "no " + name + "cardial border was found",
+    flag_gates(result, flags, "surface_missing", failure_of_edges(result), "no " + name + "cardial border was found",
                [&](const Gate& g) { return !surface(g); });
-    flag_gates(result, flags, "surface_diverged", Severity::failure, "the " + name + "cardial surface diverged",
+    flag_gates(result, flags, "surface_diverged", failure_of_edges(result), "the " + name + "cardial surface diverged",
                [&](const Gate& g) { return surface(g) && surface(g)->stop_reason == dynamics::StopReason::diverged; });
     flag_gates(result, flags, "surface_incomplete", doubt_of_edges(result),
                format("fewer than %.0f %% of the ", 100 * least_arrived) + name +
@@ -107,7 +112,7 @@ void flag_surfaces(const Result& result, std::vector<QualityFlag>& flags) {
                const EdgeSurfaces& s = g.edge_surfaces;
                return (s.endo && !s.endo->repair.check.valid()) || (s.epi && !s.epi->repair.check.valid());
              });
-  flag_gates(result, flags, "walls_cross", Severity::failure,
+  flag_gates(result, flags, "walls_cross", failure_of_edges(result),
              "the endocardial volume is not smaller than the epicardial one",
              [](const Gate& g) { return g.edge_surfaces.wall_ml && *g.edge_surfaces.wall_ml <= 0; });
 }

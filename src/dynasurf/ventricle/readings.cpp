@@ -1,5 +1,6 @@
 #include "dynasurf/ventricle/detail/readings.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -33,22 +34,48 @@ Reading reading_of_volumes(ReadingKind kind, const std::vector<double>& cavity_m
   return reading;
 }
 
-/// False where the fit diverged from the edges: data that are no wall seen through a point spread.
-bool is_plausible(const psf_fit::FittedBeat& beat, const std::vector<Gate>& gates) {
-  constexpr double most = 4;  // times the outer edge surface, or a part of it
-  for (std::size_t g = 0; g < gates.size(); ++g) {
-    const double ratio = beat.gates[g].epi_ml.value / gates[g].edge_surfaces.epi->volume_ml;
+/// The heart as it was located, where the stack was cut along it: one that was found across the stack was not believed
+/// when the stack was kept.
+const heart::Location* heart_along_stack(const Result& result) {
+  const Vec3 along = result.study.grid().direction.col(2);
+  return result.heart && result.heart->cup.axis.dot(along) > 0.7 ? &*result.heart : nullptr;
+}
+
+bool is_heart_believed(const Result& result) {
+  const heart::Location* heart = heart_along_stack(result);
+  return heart != nullptr && heart->is_believed();
+}
+
+bool has_walls(const EdgeSurfaces& edge) {
+  return edge.endo && edge.epi && edge.endo->volume_ml > 0 && edge.wall_ml.value_or(0) > 0;
+}
+
+/// What a reading's outer surface is held against, one per gate: the middle of the wall of a heart that is believed,
+/// else the outer edge surface.
+std::vector<double> outer_ml(const Result& result) {
+  std::vector<double> volumes;
+  for (const Gate& gate : result.gates)
+    volumes.push_back(is_heart_believed(result) ? heart::volume_mm3(result.heart->cup) / 1000
+                                                : gate.edge_surfaces.epi->volume_ml);
+  return volumes;
+}
+
+/// False where the fit diverged from what is seen: data that are no wall seen through a point spread.
+bool is_plausible(const psf_fit::FittedBeat& beat, std::span<const double> outer_ml) {
+  constexpr double most = 4;  // times what is seen, or a part of it
+  for (std::size_t g = 0; g < beat.gates.size(); ++g) {
+    const double ratio = beat.gates[g].epi_ml.value / outer_ml[g];
     if (!(ratio > 1 / most && ratio < most) || !(beat.gates[g].endo_ml.value > 0)) return false;
   }
   return std::isfinite(beat.edv_ml.sd + beat.esv_ml.sd + beat.wall_ml.sd);
 }
 
 /// An image without blur has no Gaussian across its wall: deviations without end would be shown as volumes.
-bool is_plausible(const psf_fit::GaussianProfile& profile, const std::vector<Gate>& gates) {
-  constexpr double most = 3;  // times the outer edge surface
-  for (std::size_t g = 0; g < gates.size(); ++g) {
-    const double outer_ml = profile.cavity_ml[g] + profile.wall_ml[g];
-    if (!(std::isfinite(outer_ml) && outer_ml < most * gates[g].edge_surfaces.epi->volume_ml)) return false;
+bool is_plausible(const psf_fit::GaussianProfile& profile, std::span<const double> outer_ml) {
+  constexpr double most = 3;  // times what is seen
+  for (std::size_t g = 0; g < profile.cavity_ml.size(); ++g) {
+    const double read_ml = profile.cavity_ml[g] + profile.wall_ml[g];
+    if (!(std::isfinite(read_ml) && read_ml < most * outer_ml[g])) return false;
   }
   return true;
 }
@@ -64,25 +91,26 @@ void end_as_said(const Result& result, const UserOverrides& manual, psf_fit::Fit
     if (base) base->point -= start.base_shift_mm * start.axis;
 }
 
-/// What a fit begins with; absent, with a note where one was asked for, unless all gates have both surfaces.
+/// What a fit begins with: a heart that is believed, or both surfaces of all gates. Absent, with a note where one
+/// was asked for, without either.
 std::optional<psf_fit::FitStart> fit_start_of(const Result& result, bool is_asked_for, Notes& notes) {
   psf_fit::FitStart start;
+  const heart::Location* heart = heart_along_stack(result);
   for (const Gate& gate : result.gates) {
     const EdgeSurfaces& edge = gate.edge_surfaces;
-    if (!edge.endo || !edge.epi || edge.endo->volume_ml <= 0 || edge.wall_ml.value_or(0) <= 0) {
+    if (!has_walls(edge) && !is_heart_believed(result)) {
       if (is_asked_for)
         notes.push_back({Severity::info, "fit.no_walls",
                          "no PSF-corrected volumes: gate " + std::to_string(gate.gate + 1) + " has not both surfaces"});
       return std::nullopt;
     }
-    start.endo.push_back(edge.endo->mesh);
-    start.epi.push_back(edge.epi->mesh);
+    start.endo.push_back(edge.endo ? edge.endo->mesh : TriMesh{});
+    start.epi.push_back(edge.epi ? edge.epi->mesh : TriMesh{});
     start.base.push_back(edge.base_plane);
   }
   start.axis = result.study.grid().direction.col(2);
   start.lateral = result.study.grid().direction.col(0);
-  // A heart that was found across the stack was not believed either when the stack was kept.
-  if (result.heart && result.heart->cup.axis.dot(start.axis) > 0.7) start.cup = result.heart->cup;
+  if (heart) start.cup = heart->cup;
   return start;
 }
 
@@ -145,7 +173,7 @@ OtherReadings read_otherwise(const Study& original, const std::optional<Mask>& l
   if (start) {
     start->looked_at = looked_at;
     profile = clock("readings", [&] { return psf_fit::read_gaussian_profile(original, *start); });
-    if (profile && !is_plausible(*profile, result.gates)) {
+    if (profile && !is_plausible(*profile, outer_ml(result))) {
       profile.reset();
       notes.push_back({Severity::info, "readings.no_gaussian",
                        "no Gaussian-profile reading: no asymmetric Gaussian fits across this wall"});
@@ -156,16 +184,18 @@ OtherReadings read_otherwise(const Study& original, const std::optional<Mask>& l
     return readings;
   }
   // What is usual of edges was learned of these, and behind gamma cameras.
-  if (all.pipeline == Pipeline::surface && original.modality != "PT")
+  const bool are_all_there = std::all_of(result.gates.begin(), result.gates.end(),
+                                         [](const Gate& gate) { return has_walls(gate.edge_surfaces); });
+  if (are_all_there && all.pipeline == Pipeline::surface && original.modality != "PT")
     for (const Gate& gate : result.gates) start->edge_ml.push_back(gate.edge_surfaces.endo->volume_ml);
   end_as_said(result, all.manual, *start);
   start->points = wall_points(all.manual, original);
   beat = clock("fit", [&] { return psf_fit::fit_through_blur(original, *start, options, progress); });
   notes.insert(notes.end(), beat->notes.begin(), beat->notes.end());
-  if (is_plausible(*beat, result.gates)) return readings;
+  if (is_plausible(*beat, outer_ml(result))) return readings;
   beat.reset();
   notes.push_back({Severity::warning, "fit.lost",
-                   "no PSF-corrected volumes: the fit diverged from the edge surfaces and was discarded"});
+                   "no PSF-corrected volumes: the fit diverged from the wall that is seen and was discarded"});
   return readings;
 }
 
@@ -186,9 +216,8 @@ std::optional<Measures> measure_study(const Result& result, const MeasureOptions
   MeasureInput input;
   input.cycle_ms = result.study.cycle_ms;
   if (beat) input.from_edges = false;
-  // A heart that was found across the stack was not believed either when the stack was kept.
-  const Vec3 along_stack = result.study.grid().direction.col(2);
-  input.axis = result.heart && result.heart->cup.axis.dot(along_stack) > 0.7 ? result.heart->cup.axis : along_stack;
+  const heart::Location* heart = heart_along_stack(result);
+  input.axis = heart ? heart->cup.axis : Vec3(result.study.grid().direction.col(2));
   bool is_any = false;
   for (std::size_t g = 0; g < result.gates.size(); ++g) {
     const LeadingSurfaces& surfaces = result.gates[g].surfaces;

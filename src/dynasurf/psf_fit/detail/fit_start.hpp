@@ -18,7 +18,7 @@ struct WallPoint {
 
 /// What a fit begins with: both surfaces of every gate, where the ventricle ends, and its long axis. World frame.
 /// With a `cup`, the middle of the wall as it was located, walls of even thickness around it take the place of the
-/// surfaces: an edge that a defect or a neighbour led astray leads no fit astray.
+/// surfaces, which may be empty then: an edge that a defect or a neighbour led astray leads no fit astray.
 struct FitStart {
   std::vector<TriMesh> endo, epi;                     // one per gate
   std::vector<std::optional<heart::BasePlane>> base;  // one per gate; absent: where the surfaces end
