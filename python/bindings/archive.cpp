@@ -17,7 +17,7 @@ DYNASURF_ARITY(Grid, 4);
 DYNASURF_ARITY(Study, 11);
 DYNASURF_ARITY(TriMesh, 2);
 DYNASURF_ARITY(heart::LvShell, 5);
-DYNASURF_ARITY(heart::Location, 9);
+DYNASURF_ARITY(heart::Location, 11);
 DYNASURF_ARITY(heart::BasePlane, 5);
 DYNASURF_ARITY(ventricle::LeadingSurface, 2);
 DYNASURF_ARITY(ventricle::LeadingSurfaces, 3);

@@ -77,6 +77,23 @@ TEST(BasePlane, ALowerLevelLiesHigher) {
   EXPECT_NEAR(third->point[2] - half->point[2], 0.385 * 5, 0.5);
 }
 
+/// A wall whose end goes down by 12 mm and back while it brightens by `by`.
+std::vector<Image> beating(int gates, double by) {
+  std::vector<Image> images;
+  for (int g = 0; g < gates; ++g) {
+    const double systole = (1 - std::cos(2 * std::numbers::pi * g / gates)) / 2;
+    images.push_back(walled({heart.centre + (28 - 12 * systole) * heart.axis, Vec3::UnitZ()}));
+    for (float& v : images.back().values) v *= 1 + by * systole;
+  }
+  return images;
+}
+
+TEST(OutwardMotion, IsThatOfTheWallsEndWhileTheWallBrightens) {
+  EXPECT_NEAR(*outward_motion_mm(beating(8, 0.3), heart), -12, 1);
+  EXPECT_NEAR(*outward_motion_mm(beating(8, -0.3), heart), 12, 1);
+  EXPECT_FALSE(outward_motion_mm(beating(5, 0.3), heart)) << "too few gates";
+}
+
 TEST(PlaneCycle, FollowsAWaveAndCorrectsTheGateThatDoesNotFitIn) {
   std::vector<std::optional<BasePlane>> planes;
   const auto height = [](int g) { return 5 * std::cos(2 * std::numbers::pi * g / 8); };

@@ -95,6 +95,64 @@ TEST(Orient, TellsApexFromBaseWhereTheFileDoesNot) {
   EXPECT_EQ(orient(upside_down.study, heart, {}).slice_order, SliceOrder::base_to_apex);
 }
 
+/// A beating wall without an apex, of which nobody says which end is which: both move towards the apex and back while
+/// the wall brightens, one by 12 mm, the other by 4 mm.
+Study apexless(bool is_base_up) {
+  Study study;
+  constexpr int gates = 8;
+  for (int g = 0; g < gates; ++g) {
+    Grid grid;
+    grid.dims = {48, 48, 40};
+    grid.spacing = {4, 4, 4};
+    Image image(grid);
+    const Vec3 centre(94, 94, 80);
+    const double systole = (1 - std::cos(2 * std::numbers::pi * g / gates)) / 2;
+    const auto below = [](double height) { return 0.5 * std::erfc(height / (5 * std::numbers::sqrt2)); };
+    for (int k = 0; k < 40; ++k)
+      for (int j = 0; j < 48; ++j)
+        for (int i = 0; i < 48; ++i) {
+          Vec3 d = centre_of(grid, {i, j, k}) - centre;
+          if (!is_base_up) d[2] = -d[2];
+          const double level = std::sqrt((d[0] * d[0] + d[1] * d[1]) / (30.0 * 30) + d[2] * d[2] / (52.0 * 52));
+          const double away = (level - 1) * 30;
+          const double wall = std::exp(-away * away / (2 * 6.0 * 6.0)) * below(d[2] - 28 + 12 * systole) *
+                              below(-22 - d[2] - 4 * systole);
+          image(i, j, k) = (0.1 + 0.9 * wall) * (1 + 0.3 * systole);
+        }
+    study.gates.push_back(std::move(image));
+  }
+  return study;
+}
+
+TEST(LocateUpright, FollowsTheMotionOfAWallWithoutAnApex) {
+  for (const bool is_base_up : {true, false}) {
+    const Study study = apexless(is_base_up);
+    const auto found = locate_upright(study, {});
+    ASSERT_TRUE(found);
+    EXPECT_GT((is_base_up ? 1 : -1) * found->cup.axis[2], 0.9);
+    EXPECT_TRUE(found->is_believed());
+    ASSERT_TRUE(found->outward_mm);
+    Notes notes;
+    note_ends(study, *found, notes);
+    EXPECT_EQ(notes.size(), found->is_turned ? 1U : 0U);
+  }
+}
+
+TEST(LocateUpright, FollowsTheFileWhereNothingMoves) {
+  for (const SliceOrder order : {SliceOrder::apex_to_base, SliceOrder::base_to_apex}) {
+    Study study = apexless(true);
+    study.gates.assign(8, heart::mean_image(study.gates));
+    study.slice_order = order;
+    const auto found = locate_upright(study, {});
+    ASSERT_TRUE(found);
+    EXPECT_GT((order == SliceOrder::apex_to_base ? 1 : -1) * found->cup.axis[2], 0.9);
+    study.slice_order = SliceOrder::unknown;
+    Notes notes;
+    note_ends(study, *found, notes);
+    ASSERT_EQ(notes.size(), 1U);
+  }
+}
+
 TEST(FinerPixels, KeepPlacesAndSlicesAndCoverTheHeart) {
   const synthetic::Phantom phantom = patient_with_tilt(0);
   const auto heart = heart::locate(heart::mean_image(phantom.study.gates));

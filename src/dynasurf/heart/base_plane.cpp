@@ -9,6 +9,7 @@
 
 #include "dynasurf/core/detail/elementary.hpp"
 #include "dynasurf/core/detail/statistics.hpp"
+#include "dynasurf/core/parallel.hpp"
 #include "dynasurf/heart/detail/smooth_cycle.hpp"
 #include "dynasurf/image/detail/linear_sampler.hpp"
 #include "dynasurf/image/intensity.hpp"
@@ -214,6 +215,31 @@ TriMesh flatten_above(TriMesh mesh, const BasePlane& plane) {
     if (height > 0) p -= height * plane.normal;
   }
   return mesh;
+}
+
+std::optional<double> outward_motion_mm(std::span<const Image> gates, const LvShell& cup) {
+  constexpr double smoothing_mm = 3.5, end_level = 0.45;
+  constexpr std::size_t least_gates = 6;
+  std::vector<std::optional<std::array<double, 2>>> of_gates(gates.size());  // height, brightness
+  parallel_for(gates.size(), 1, [&](std::size_t g, std::size_t) {
+    const WallProfiles wall = look_at_wall(image::smooth_gaussian(gates[g], smoothing_mm), cup);
+    if (const std::optional<BasePlane> plane = find_base_plane(wall, end_level))
+      of_gates[g] = {(plane->point - cup.centre).dot(cup.axis), wall.over_surroundings()};
+  });
+  std::array<double, 2> mean{};
+  double seen = 0;
+  for (const auto& gate : of_gates)
+    if (gate) mean[0] += (*gate)[0], mean[1] += (*gate)[1], ++seen;
+  if (seen < least_gates || seen < 0.75 * gates.size()) return std::nullopt;
+  double together = 0, brightness = 0;
+  for (const auto& gate : of_gates)
+    if (gate) {
+      const double height = (*gate)[0] - mean[0] / seen, bright = (*gate)[1] - mean[1] / seen;
+      together += height * bright, brightness += bright * bright;
+    }
+  if (!(brightness > 0)) return std::nullopt;
+  // From peak to peak of a wave of this covariance.
+  return 2 * std::numbers::sqrt2 * together / std::sqrt(brightness * seen);
 }
 
 }  // namespace dynasurf::heart

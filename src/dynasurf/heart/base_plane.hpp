@@ -66,4 +66,10 @@ std::optional<PlaneCycle> smooth_over_cycle(std::span<const std::optional<BasePl
 /// triangles, still closed; right for surfaces whose part above the plane stands over their cut, as hearts do.
 TriMesh flatten_above(TriMesh mesh, const BasePlane& plane);
 
+/// How far the wall's end at the base of a cup moves outwards while the wall brightens, mm from one end of its way to
+/// the other. Muscle that thickens looks brighter through a blur, and in systole all of the wall moves towards the
+/// apex: below 0 in a heart whose apex is that of the cup, above 0 where it is at the other end. Grid frame. Absent
+/// unless the end is seen in three quarters of the gates, and in six.
+std::optional<double> outward_motion_mm(std::span<const Image> gates, const LvShell& cup);
+
 }  // namespace dynasurf::heart

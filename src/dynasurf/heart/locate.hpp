@@ -25,12 +25,14 @@ struct Location {
   std::optional<Vec3> runner_up_mm;  // middle of that place
   double outside = 0;                // share of the wall that lies outside the volume
   double other_end = 0;              // score with apex and base exchanged, relative to this one
-  bool is_pointed_at = false;        // by a person, at a wall of which too little is seen
+  bool is_pointed_at = false;        // at a given centre, by a wall of which too little is seen
+  std::optional<double> outward_mm;  // `outward_motion_mm` of the cup as its shape has it; absent: not looked at
+  bool is_turned = false;            // clear the other way up, apex and base were exchanged against its shape
 
   /// Whether the wall was seen well enough to be believed. The limits are those of the flag "heart_uncertain".
   bool is_clear() const { return contrast >= 0.22 && ridge_share >= 0.55; }
   /// Whether it is taken for a heart.
-  bool is_believed() const { return is_clear() || is_pointed_at; }
+  bool is_believed() const { return is_clear() || is_pointed_at || is_turned; }
 };
 
 /// The mean of the gates: what the eye sees of a beating heart at rest.

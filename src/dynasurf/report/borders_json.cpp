@@ -31,7 +31,9 @@ Json location_json(const std::optional<heart::Location>& heart) {
           {"runner_up_mm", heart->runner_up_mm ? list(*heart->runner_up_mm) : Json(nullptr)},
           {"outside", heart->outside},
           {"other_end", heart->other_end},
-          {"is_pointed_at", heart->is_pointed_at}};
+          {"is_pointed_at", heart->is_pointed_at},
+          {"outward_mm", heart->outward_mm ? Json(*heart->outward_mm) : Json(nullptr)},
+          {"is_turned", heart->is_turned}};
 }
 
 Vec3 vector_in(const io::JsonNode& object, std::string_view key) {
@@ -85,6 +87,8 @@ std::optional<heart::Location> read_location(const std::filesystem::path& path) 
   heart.outside = io::number_in(node, "outside");
   heart.other_end = io::number_in(node, "other_end");
   heart.is_pointed_at = io::flag_in(node, "is_pointed_at");
+  if (io::has(node, "outward_mm")) heart.outward_mm = io::number_in(node, "outward_mm");
+  heart.is_turned = io::flag_in(node, "is_turned");
   return heart;
 }
 

@@ -226,20 +226,6 @@ ImageContrast detect_contrast(const Study& study, const std::optional<heart::Loc
   return label_borders(mean, image::detect_edges(mean, options.edges), options.labels).bright;
 }
 
-/// The heart in the mean of the gates. Where its two ends look alike, as those of a tube without an apex, the order of
-/// the slices decides if the file tells it.
-std::optional<heart::Location> locate_upright(const Study& study, const heart::LocateHints& hints) {
-  constexpr double alike = 0.95;
-  const Image mean = heart::mean_image(study.gates);
-  std::optional<heart::Location> heart = heart::locate(mean, hints);
-  if (!heart || hints.axis || heart->other_end < alike || study.slice_order == SliceOrder::unknown) return heart;
-  const Vec3 to_base = (study.slice_order == SliceOrder::apex_to_base ? 1 : -1) * study.grid().direction.col(2);
-  if (heart->cup.axis.dot(to_base) > -0.7) return heart;
-  heart::LocateHints told = hints;
-  told.axis = -heart->cup.axis;
-  return heart::locate(mean, told);
-}
-
 void note_own_stages(const OwnStages& own, Notes& notes) {
   if (own.edges) notes.push_back({Severity::info, "stage.replaced", "the edges were found by " + own.edges_name});
   if (own.labels)
@@ -288,6 +274,7 @@ StudyRun run_borders(const Study& whole, const Options& options, const Progress&
   Orientation orientation = options.orientation;
   if (hints.axis) orientation.method = OrientationMethod::data;  // slices square to what a person says
   run.study = canonical_study(orient(cut ? *cut : original, heart, orientation));
+  if (heart && !hints.axis) note_ends(original, *heart, run.study.notes);
   require_inside(options.manual, original, run.study);
   if (options.prepare.from_least) image::stretch_to_range(run.study.gates, run.study.notes);
   for (Image& image : run.study.gates) {

@@ -94,6 +94,14 @@ std::vector<psf_fit::WallPoint> wall_points(const UserOverrides& manual, const S
 /// The hints that a person's values give. Throws OptionError when an axis has no length.
 heart::LocateHints hints_of(const UserOverrides& manual);
 
+/// The heart in the mean of the gates. Its shape tells apex from base; where its two ends look alike, as those of a
+/// tube without an apex, the order of the slices if the file tells it; and where a part of the wall is not seen, its
+/// motion over the beat (`outward_motion_mm`), or else that order.
+std::optional<heart::Location> locate_upright(const Study& study, const heart::LocateHints& hints);
+/// How its apex and base were told apart, where that asks for a look ("orientation.ends_by_motion",
+/// "orientation.ends_by_shape").
+void note_ends(const Study& study, const heart::Location& heart, Notes& notes);
+
 /// The grid of a short-axis stack around a heart, slices from apex to base, its columns horizontal in the world (so
 /// that the anterior wall is up and the septum left, as such stacks are shown). World frame.
 Grid short_axis_grid(const heart::LvShell& heart, double voxel_mm);
