@@ -418,6 +418,10 @@ FittedBeat fit_through_blur(const Study& original, const FitStart& start, const 
   relax_priors(fit, tightest);
   minimise(problem, solution, 10, 1e-2, progress);
   beat.extracardiac_sources = add_extracardiac_sources(fit, blur.fwhm_mm);
+  if (beat.extracardiac_sources == most_spots)
+    beat.notes.push_back({Severity::info, "fit.most_sources",
+                          "beside the heart " + std::to_string(most_spots) +
+                              " sources were fitted, the most that are; the intervals were learned with as many"});
   const Attenuation attenuation = attenuation_of(study, options, refiltered.has_value());
   const bool may_be_attenuated =
       attenuation != Attenuation::corrected && blur.fwhm_mm > 0 && study.modality != "PT" && study.gates.size() > 1;

@@ -14,6 +14,7 @@
 #include "dynasurf/ventricle/detail/border_planes.hpp"
 #include "dynasurf/ventricle/detail/canonical.hpp"
 #include "dynasurf/ventricle/detail/cycle.hpp"
+#include "dynasurf/ventricle/detail/even_counts.hpp"
 #include "dynasurf/ventricle/detail/hot_objects.hpp"
 #include "dynasurf/ventricle/detail/quality.hpp"
 #include "dynasurf/ventricle/detail/readings.hpp"
@@ -262,20 +263,22 @@ StudyRun run_borders(const Study& whole, const Options& options, const Progress&
     run.looked_at = region_on(*own.mask, whole.grid());
     run.changed = confine(run.changed ? *run.changed : whole, *run.looked_at);
   }
-  const Study& original = run.changed ? *run.changed : whole;
+  const auto original = [&]() -> const Study& { return run.changed ? *run.changed : whole; };
   const heart::LocateHints hints = hints_of(options.manual);
   std::optional<heart::Location>& heart = run.context.heart;
   LabelContext& labels = run.context.labels;
-  const auto find_heart = [&] { return clock("locate", [&] { return locate_upright(original, hints); }); };
+  const auto find_heart = [&] { return clock("locate", [&] { return locate_upright(original(), hints); }); };
   heart = own.located ? own.located : keep.location(find_heart);
-  labels.bright = clock("locate", [&] { return detect_contrast(original, heart, options); });
+  if (std::optional<Study> even = heart ? with_even_counts(original(), *heart) : std::nullopt)
+    run.changed = std::move(*even);
+  labels.bright = clock("locate", [&] { return detect_contrast(original(), heart, options); });
   if (labels.bright == ImageContrast::cavity) heart.reset();  // it is looked for by its wall
-  const std::optional<Study> cut = heart ? cut_hot_objects(original, *heart) : std::nullopt;
+  const std::optional<Study> cut = heart ? cut_hot_objects(original(), *heart) : std::nullopt;
   Orientation orientation = options.orientation;
   if (hints.axis) orientation.method = OrientationMethod::data;  // slices square to what a person says
-  run.study = canonical_study(orient(cut ? *cut : original, heart, orientation));
-  if (heart && !hints.axis) note_ends(original, *heart, run.study.notes);
-  require_inside(options.manual, original, run.study);
+  run.study = canonical_study(orient(cut ? *cut : original(), heart, orientation));
+  if (heart && !hints.axis) note_ends(original(), *heart, run.study.notes);
+  require_inside(options.manual, original(), run.study);
   if (options.prepare.from_least) image::stretch_to_range(run.study.gates, run.study.notes);
   for (Image& image : run.study.gates) {
     if (options.noise_fraction > 0) image = image::suppress_noise(std::move(image), options.noise_fraction);

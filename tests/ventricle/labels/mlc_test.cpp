@@ -31,7 +31,7 @@ image::Component arc(double radius, int slice, double from_deg = -180, double to
   return c;
 }
 
-SliceEdges stack(const std::vector<image::Component>& edges, int slices) {
+SliceEdges edges_in_slices(const std::vector<image::Component>& edges, int slices) {
   SliceEdges all(static_cast<std::size_t>(slices));
   for (const image::Component& e : edges) all[static_cast<std::size_t>(e.slice)].push_back(e);
   return all;
@@ -48,7 +48,7 @@ int bits(const Mask& m, const image::Component& c) {
 TEST(ClassifyByGap, PutsTheFrontierIntoTheLargestGap) {
   const std::vector<image::Component> edges{arc(7, 0, -180, 0), arc(8, 0, 10, 170), arc(14, 0, -170, 0),
                                             arc(15.5, 0, 10, 170)};
-  const Mask m = classify_by_gap(stack(edges, 1), grid_of(1), middle, -1, Mlc{});
+  const Mask m = classify_by_gap(edges_in_slices(edges, 1), grid_of(1), middle, -1, Mlc{});
   EXPECT_EQ(bits(m, edges[0]), endo);
   EXPECT_EQ(bits(m, edges[1]), endo);
   EXPECT_EQ(bits(m, edges[2]), epi);
@@ -57,32 +57,32 @@ TEST(ClassifyByGap, PutsTheFrontierIntoTheLargestGap) {
 
 TEST(ClassifyByGap, CallsEverythingOuterUpToTheDivisionSlice) {
   const std::vector<image::Component> edges{arc(4, 0), arc(10, 0), arc(4, 1), arc(10, 1)};
-  const Mask m = classify_by_gap(stack(edges, 2), grid_of(2), middle, 0, Mlc{});
+  const Mask m = classify_by_gap(edges_in_slices(edges, 2), grid_of(2), middle, 0, Mlc{});
   EXPECT_EQ(bits(m, edges[0]), epi);
   EXPECT_EQ(bits(m, edges[2]), endo);
 }
 
 TEST(ClassifyByGap, AsksTheNeighboursAboutALoneEdge) {
   const std::vector<image::Component> edges{arc(7, 0), arc(14, 0), arc(7.4, 1), arc(7, 2), arc(14, 2), arc(13.7, 3)};
-  const Mask m = classify_by_gap(stack(edges, 4), grid_of(4), middle, -1, Mlc{});
+  const Mask m = classify_by_gap(edges_in_slices(edges, 4), grid_of(4), middle, -1, Mlc{});
   EXPECT_EQ(bits(m, edges[2]), endo);
   EXPECT_EQ(bits(m, edges[5]), epi);
-  const Mask strict = classify_by_gap(stack(edges, 4), grid_of(4), middle, -1, Mlc{.strict_thesis = true});
+  const Mask strict = classify_by_gap(edges_in_slices(edges, 4), grid_of(4), middle, -1, Mlc{.strict_thesis = true});
   EXPECT_EQ(bits(strict, edges[2]), epi);
 }
 
 TEST(ClassifyByGap, KeepsFragmentsOfOneBorderTogether) {
   const std::vector<image::Component> edges{arc(7, 0), arc(14, 0), arc(13.2, 1, -170, -10), arc(14.6, 1, 10, 170)};
-  const Mask m = classify_by_gap(stack(edges, 2), grid_of(2), middle, -1, Mlc{});
+  const Mask m = classify_by_gap(edges_in_slices(edges, 2), grid_of(2), middle, -1, Mlc{});
   EXPECT_EQ(bits(m, edges[2]), epi);
   EXPECT_EQ(bits(m, edges[3]), epi);
-  const Mask strict = classify_by_gap(stack(edges, 2), grid_of(2), middle, -1, Mlc{.strict_thesis = true});
+  const Mask strict = classify_by_gap(edges_in_slices(edges, 2), grid_of(2), middle, -1, Mlc{.strict_thesis = true});
   EXPECT_EQ(bits(strict, edges[2]), endo);  // the published rule always divides
 }
 
 TEST(ClassifyByGap, CallsALoneEdgeWithoutNeighboursOuter) {
   const image::Component lone = arc(9, 1);
-  EXPECT_EQ(bits(classify_by_gap(stack({lone}, 3), grid_of(3), middle, -1, Mlc{}), lone), epi);
+  EXPECT_EQ(bits(classify_by_gap(edges_in_slices({lone}, 3), grid_of(3), middle, -1, Mlc{}), lone), epi);
 }
 
 /// A bright ring of the given radii around the middle of every slice.
@@ -104,7 +104,7 @@ TEST(SplitByGradient, CutsAnEdgeThatRunsAroundAnOpenWall) {
     horseshoe.pixels.insert(horseshoe.pixels.end(), part.pixels.begin(), part.pixels.end());
   std::sort(horseshoe.pixels.begin(), horseshoe.pixels.end(),
             [](const image::Pixel& a, const image::Pixel& b) { return std::tie(a.j, a.i) < std::tie(b.j, b.i); });
-  const SidedEdges sided = split_by_gradient(stack({horseshoe}, 1), ring(8, 14, 1), middle, 8);
+  const SidedEdges sided = split_by_gradient(edges_in_slices({horseshoe}, 1), ring(8, 14, 1), middle, 8);
   ASSERT_EQ(sided.endo[0].size(), 1U);
   ASSERT_EQ(sided.epi[0].size(), 1U);
   EXPECT_EQ(sided.endo[0][0].pixels.size(), arc(8, 0, -120, 120).pixels.size());
@@ -117,7 +117,7 @@ TEST(ClassifyByGradient, DropsInnerSidesOutsideTheHeart) {
   const image::Component inner = arc(8, 0), outer = arc(14, 0), blob_near = arc(19, 0, -20, 20),
                          blob_far = arc(25, 0, -20, 20);
   Notes notes;
-  const SidedEdges sided{stack({inner, blob_near}, 1), stack({outer, blob_far}, 1)};
+  const SidedEdges sided{edges_in_slices({inner, blob_near}, 1), edges_in_slices({outer, blob_far}, 1)};
   const Mask m = classify_by_gradient(sided, grid_of(1), middle, 4, notes);
   EXPECT_EQ(bits(m, inner), endo);
   EXPECT_EQ(bits(m, outer), epi);
@@ -131,7 +131,8 @@ TEST(ClassifyByGradient, DropsOuterSidesInsideTheCavity) {
   // Noise in the cavity: a small bright arc has a side that darkens outwards.
   const image::Component inner = arc(10, 0), outer = arc(16, 0), noise = arc(5, 0, 0, 90);
   Notes notes;
-  const Mask m = classify_by_gradient({stack({inner}, 1), stack({outer, noise}, 1)}, grid_of(1), middle, 4, notes);
+  const Mask m = classify_by_gradient({edges_in_slices({inner}, 1), edges_in_slices({outer, noise}, 1)}, grid_of(1),
+                                      middle, 4, notes);
   EXPECT_EQ(bits(m, outer), epi);
   EXPECT_EQ(bits(m, noise), 0);
 }
