@@ -5,6 +5,7 @@
 #include "dynasurf/ventricle/measures/measures.hpp"
 
 #include "console.hpp"
+#include "look_at.hpp"
 
 namespace dynasurf::app {
 namespace {
@@ -99,6 +100,7 @@ std::string summary_of(const ventricle::Result& result) {
             fixed(result.measures->phase_motion->bandwidth_deg, 0) + " deg\n";
   text += readings_of(result.readings) + leading_of(result);
   text += "verdict: " + std::string(word_of(result.verdict)) + "\n";
+  if (const std::string first = look_at(result); !first.empty()) text += "  " + first + "\n";
   for (const ventricle::QualityFlag& flag : result.flags)
     text += "  " + std::string(name_of(flag.severity)) + ": " + flag.message + " [" + flag.code + "]\n";
   std::size_t remarks = 0;
@@ -106,7 +108,9 @@ std::string summary_of(const ventricle::Result& result) {
     const bool flagged = std::any_of(result.flags.begin(), result.flags.end(),
                                      [&](const ventricle::QualityFlag& flag) { return flag.code == note.code; });
     if (note.severity == Severity::info) ++remarks;
-    if (note.severity != Severity::info && !flagged) text += "  " + line_of(note) + "\n";
+    // The flag "surface_missing" names these gates in one line.
+    const bool is_told = flagged || note.code == "labels.no_endo" || note.code == "labels.no_epi";
+    if (note.severity != Severity::info && !is_told) text += "  " + line_of(note) + "\n";
   }
   if (remarks > 0) text += "  " + std::to_string(remarks) + " remarks in results.json and report.html\n";
   return text + "Research use only. Not for diagnosis.\n";

@@ -50,6 +50,21 @@ class Faults(CliTest):
         self.assertAlmostEqual(results["edv_ml"], self.usual()["edv_ml"], delta=0.1)
         self.assertAlmostEqual(results["esv_ml"], self.usual()["esv_ml"], delta=0.1)
 
+    def test_one_line_says_what_to_look_at(self):
+        def noise(values, nx, ny, nz):
+            for n in range(len(values)):
+                values[n] = (n * 2654435761 >> 7) % 1000
+        changed_study(self.folder / "noise.nii", noise)
+        done = run("ventricle", "noise.nii", "--out", "r", cwd=self.folder)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertEqual(sum("look at: " in line for line in done.stdout.splitlines()), 1, done.stdout)
+        self.assertIn("verdict: fail\n  look at: ", done.stdout)
+        self.assertIn("--center", done.stdout)
+        self.assertNotIn("The endo border was found in no slice", done.stdout, "the gates are named in one line")
+        good = run("ventricle", small_patient() / "study.nii.gz", "--out", "good", cwd=self.folder)
+        self.assertIn("verdict: ok\n", good.stdout)
+        self.assertNotIn("look at: ", good.stdout)
+
     def test_files_that_tell_the_kinds_of_their_values_need_no_dictionary(self):
         (self.folder / "explicit.dcm").write_bytes((small_patient() / "study.dcm").read_bytes())
         (self.folder / "implicit.dcm").write_bytes(with_implicit_kinds((small_patient() / "study.dcm").read_bytes()))
