@@ -198,6 +198,12 @@ TEST(LocateCup, FindsNothingInAnEmptyVolume) {
   grid.spacing = {5, 5, 5};
   EXPECT_FALSE(locate(Image(grid)));
   EXPECT_FALSE(locate(Image(grid, 1.0F))) << "uniform: nothing is brighter than its surroundings";
+  LocateHints hints;
+  for (const Vec3& centre : {Vec3(50, 50, 50), Vec3(900, 0, 0)}) {
+    hints.centre_mm = centre;
+    EXPECT_FALSE(locate(Image(grid), hints));
+    EXPECT_FALSE(locate(Image(grid, 1.0F), hints));
+  }
 }
 
 TEST(LocateCup, FindsBothEndsOfALongWideHeart) {

@@ -264,9 +264,9 @@ Search search_in(const Image& mean, const LocateHints& hints) {
   Search search{image::smooth_gaussian(mean, smooth_mm), 0, {}, {}, {}};
   const Image coarse = coarsened(search.smooth);
   search.typical = bright_level(coarse);
-  if (!(search.typical > 0)) return search;
   if (hints.centre_mm) search.middle = to_grid(mean.grid, *hints.centre_mm);
   if (hints.axis) search.axis = (mean.grid.direction.transpose() * *hints.axis).normalized();
+  if (!(search.typical > 0)) return search;
   std::vector<Place> places = search.middle ? places_around(*search.middle) : find_places(coarse);
   if (hints.radius_mm)
     for (Place& p : places) p.radius_mm = *hints.radius_mm;
