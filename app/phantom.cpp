@@ -73,7 +73,7 @@ synthetic::PhantomOptions options_of(const PhantomArguments& arguments) {
 }
 
 void write_phantom(const synthetic::Phantom& phantom, const PhantomArguments& arguments, const fs::path& folder) {
-  io::write_dicom(phantom.study, folder / "study.dcm",
+  io::write_dicom(without_negative(phantom.study), folder / "study.dcm",
                   finely_stored(phantom.study, "Dynasurf phantom " + phantom.kind));
   io::write_nifti(phantom.study, folder / "study.nii.gz");
   if (arguments.nrrd)

@@ -87,7 +87,7 @@ Json make_patient(const fs::path& folder, const Planned& planned, const report::
   io::DicomWriteOptions dicom = finely_stored(phantom.study, "Dynasurf phantom patient");
   dicom.patient_name = "PHANTOM^" + planned.subject;
   dicom.patient_id = planned.subject;
-  io::write_dicom(phantom.study, output.path() / "study.dcm", dicom);
+  io::write_dicom(without_negative(phantom.study), output.path() / "study.dcm", dicom);
   if (!labels.ending.empty()) io::write_nifti(phantom.study, output.path() / ("study." + labels.ending));
   write_true_labels(phantom, labels, output.path() / "labels");
   io::write_file(output.path() / "truth.json", io::json_text(truth));

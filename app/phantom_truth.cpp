@@ -101,6 +101,12 @@ void write_true_labels(const synthetic::Phantom& phantom, const report::LabelOut
   report::write_wall_labels(walls, phantom.study, labels, folder);
 }
 
+Study without_negative(Study study) {
+  for (Image& gate : study.gates)
+    for (float& value : gate.values) value = std::max(0.0F, value);
+  return study;
+}
+
 io::DicomWriteOptions finely_stored(const Study& study, const std::string& description) {
   const float largest = largest_value(study);
   io::DicomWriteOptions dicom;

@@ -19,6 +19,9 @@ nlohmann::ordered_json options_of(const synthetic::Phantom& phantom);
 void write_true_labels(const synthetic::Phantom& phantom, const report::LabelOutput& labels,
                        const std::filesystem::path& folder);
 
+/// A study as DICOM of counts can hold it: what noise left below 0 is 0.
+Study without_negative(Study study);
+
 /// How to store a study so finely that rounding adds nothing to the noise of its counts.
 io::DicomWriteOptions finely_stored(const Study& study, const std::string& description);
 

@@ -50,6 +50,13 @@ class Faults(CliTest):
         self.assertAlmostEqual(results["edv_ml"], self.usual()["edv_ml"], delta=0.1)
         self.assertAlmostEqual(results["esv_ml"], self.usual()["esv_ml"], delta=0.1)
 
+    def test_noise_below_0_is_stored_as_0_where_counts_are(self):
+        done = run("phantom", "patient", "--seed", "1", "--set", "gates=2", "--set", "noise.gaussian_percent=30", "--out",
+                   self.folder / "noisy")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        values = gzip.decompress((self.folder / "noisy/study.nii.gz").read_bytes())[352:]
+        self.assertLess(min(array.array("f", values)), 0, "NIfTI keeps all")
+
     def test_one_line_says_what_to_look_at(self):
         def noise(values, nx, ny, nz):
             for n in range(len(values)):

@@ -69,6 +69,7 @@ TEST_F(ProjectionsFile, HoldGatesThenViewsWithTheHeadAtTheTop) {
           expected.push_back(static_cast<Uint16>(2 * (1000 * g + 16 * view + 4 * row + column)));
   EXPECT_EQ(words_of(data, DCM_PixelData), expected);
   EXPECT_EQ(text_of(data, DCM_NumberOfFrames), "6");
+  EXPECT_EQ(text_of(data, DCM_CountsAccumulated), std::to_string(std::accumulate(expected.begin(), expected.end(), 0)));
   EXPECT_THAT(words_of(data, DCM_Rows), testing::ElementsAre(4));
   EXPECT_THAT(words_of(data, DCM_Columns), testing::ElementsAre(4));
   EXPECT_THAT(words_of(data, DCM_TimeSlotVector), testing::ElementsAre(1, 1, 1, 2, 2, 2));

@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -164,13 +167,15 @@ void put_detector(Item& root, const Study& study) {
   }
 }
 
-/// What a camera would have noted; empty where the attribute may be, because nothing was measured.
-void put_acquisition(Item& root) {
+/// What a camera would have noted; empty where the attribute may be, because nothing was measured. No counts for images
+/// that were made of others.
+void put_acquisition(Item& root, std::uint64_t counts) {
   root.number(DCM_NumberOfEnergyWindows, 1);
   root.empty_sequence(DCM_EnergyWindowInformationSequence);
   root.empty_sequence(DCM_RadiopharmaceuticalInformationSequence);
   root.number(DCM_NumberOfRotations, 1);
-  root.text(DCM_CountsAccumulated, "0");
+  constexpr std::uint64_t most = 2'147'483'647;  // of an integer string
+  root.text(DCM_CountsAccumulated, std::to_string(std::min(counts, most)));
   root.text(DCM_AcquisitionTerminationCondition, "");
   root.empty_sequence(DCM_PatientOrientationCodeSequence);
   root.empty_sequence(DCM_PatientGantryRelationshipCodeSequence);
@@ -277,7 +282,7 @@ void write_dicom(const Study& study, const std::filesystem::path& path, const Di
   put_identity(root, UidMaker(study, pixels, options), options);
   put_image(root, study);
   put_detector(root, study);
-  put_acquisition(root);
+  put_acquisition(root, 0);
   root.empty_sequence(DCM_RotationInformationSequence);
   put_gates(root, study.gates.size(), study.time_ms.empty() ? 0 : study.time_ms.front(), step_of(study),
             study.cycle_ms);
@@ -302,7 +307,7 @@ void write_projections(const Projections& p, const std::filesystem::path& path, 
   root.text(DCM_PixelSpacing, decimals({p.bin_mm, p.bin_mm}));
   put_views(root, p);
   put_camera(root, p);
-  put_acquisition(root);
+  put_acquisition(root, std::accumulate(pixels.begin(), pixels.end(), std::uint64_t{0}));
   put_rotation(root, p);
   const double step = is_gated ? p.cycle_ms / p.gates.size() : 0;
   put_gates(root, p.gates.size(), 0, step, p.cycle_ms);
