@@ -64,8 +64,8 @@ std::string what_follows(const Study& study) {
                                                       : ", cutting the " + words_of(name_of(study.view)) +
                                             " slices anew across the ventricle; refuse if none is found";
   if (study.gates.size() == 1)
-    return "make both surfaces and their volumes; no ejection fraction, because the study is not gated" + how;
-  return "make both surfaces of " + std::to_string(study.gates.size()) +
+    return "look for both surfaces and their volumes; no ejection fraction, because the study is not gated" + how;
+  return "look for both surfaces of " + std::to_string(study.gates.size()) +
          " gates, their volumes and the ejection fraction" + how;
 }
 
