@@ -77,7 +77,8 @@ void add_option_arguments(CommandLine& command, OptionArguments& a) {
   command.option("--fwhm", a.fwhm_mm,
                  "width of the camera's point spread in the image, mm; 0: sharp; not told: the data decide");
   command.option("--label", a.label, "value of the muscle in a label map; all else is nothing").within(1, 1000000);
-  command.option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm").list_of(3);
+  command.option("--center", a.center, "by hand: middle of the heart x,y,z in the world (LPS), mm, to within 25 mm")
+      .list_of(3);
   command.option("--axis", a.axis, "by hand: long axis x,y,z from apex to base in the world (LPS)").list_of(3);
   command.option("--radius", a.radius_mm, "by hand: circle around the ventricle, mm");
   command.option("--first-slice", a.first_slice, "by hand: first slice of the ventricle, from 1 at the apex");

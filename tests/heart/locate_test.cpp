@@ -112,14 +112,16 @@ TEST(LocateCup, SpansTheGapOfALargeDefect) {
   EXPECT_LT(distance_to_axis(middle_of_cavity(phantom), found->cup), 3);
 }
 
-TEST(LocateCup, KeepsTheAxisThatAPersonSays) {
+TEST(LocateCup, KeepsTheAxisAndStaysByThePlaceThatAPersonSays) {
   const synthetic::VirtualPatient patient = tilted_patient(60);
   const synthetic::Phantom phantom = synthetic::make_phantom(patient);
   LocateHints hints;
+  hints.centre_mm = middle_of_cavity(phantom) + Vec3(3, -2, 1);
   hints.axis = -3 * true_axis(phantom, patient.pose);  // even if it is wrong: apex and base exchanged
   const auto found = locate(mean_image(phantom.study.gates), hints);
   ASSERT_TRUE(found);
   EXPECT_LT(angle_deg(found->cup.axis, *hints.axis), 1e-5);
+  EXPECT_LT((found->cup.middle() - *hints.centre_mm).norm(), 25);
 }
 
 /// Something flat beside the heart, much brighter than its wall.

@@ -239,7 +239,7 @@ struct Search {
   Image smooth;
   double typical = 0;  // brightness
   std::vector<Candidate> found;
-  std::optional<Vec3> middle, axis;  // that a person gave
+  std::optional<Vec3> middle, axis;  // that were given
 };
 
 /// A person points at a heart from near its middle.
@@ -284,10 +284,12 @@ Search search_in(const Image& mean, const LocateHints& hints) {
 /// What is known of a cup that was found.
 Location location_of(const Search& search, const LvShell& found, double other_end) {
   const Image& smooth = search.smooth;
-  const std::optional<Vec3> middle = is_pointed_at(search, found) ? std::nullopt : search.middle;
+  const auto kept = [&](const LvShell& cup) {
+    return held(cup, is_pointed_at(search, cup) ? std::nullopt : search.middle, search.axis);
+  };
   Location result;
   result.other_end = other_end;
-  result.cup = held(found, middle, search.axis);
+  result.cup = kept(found);
   for (const Candidate& c : search.found)
     if ((c.cup.middle() - result.cup.middle()).norm() > 2 * places_apart_mm) {
       result.runner_up = c.worth / search.found.front().worth;
@@ -295,7 +297,7 @@ Location location_of(const Search& search, const LvShell& found, double other_en
       break;
     }
   describe_fit(smooth, result);
-  result.cup = held(without_blur(result.cup), middle, search.axis);
+  result.cup = kept(without_blur(result.cup));
   result.outside = share_outside(smooth.grid, result.cup);
   result.cup = to_world(smooth.grid, result.cup);
   return result;
@@ -374,9 +376,8 @@ std::optional<Location> explain_around(const Search& search) {
   return result;
 }
 
-/// The heart at the best place of a volume or, where no wall is clearly seen there, at the next ones that lie apart.
-std::optional<Location> look_for(const Image& mean, const LocateHints& hints, int most_places) {
-  const Search search = search_in(mean, hints);
+/// The heart at the best place of a search or, where no wall is clearly seen there, at the next ones that lie apart.
+std::optional<Location> best_of(const Search& search, int most_places) {
   std::optional<Location> first;
   std::vector<Vec3> seen;
   for (const Candidate& c : search.found) {
@@ -415,7 +416,7 @@ std::vector<std::optional<Location>> looks_with_cuts(const Image& mean, const Lo
   parallel_for(looks.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const double above = std::count_if(mean.values.begin(), mean.values.end(), [&](float v) { return v > cuts[n]; });
-      if (above < large_part * mean.values.size()) looks[n] = look_for(cut_at(mean, cuts[n]), hints, places);
+      if (above < large_part * mean.values.size()) looks[n] = best_of(search_in(cut_at(mean, cuts[n]), hints), places);
     }
   });
   return looks;
@@ -434,7 +435,8 @@ Image mean_image(std::span<const Image> gates) {
 
 std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
   constexpr int many_places = 5;
-  std::optional<Location> best = look_for(mean, hints, many_places);
+  const Search uncut = search_in(mean, hints);
+  std::optional<Location> best = best_of(uncut, many_places);
   if (best && is_plain(*best)) return best;
   // Something hotter than the wall may draw the search to itself. How bright the wall is, is not known: the cut falls
   // to a thirteenth of the peak, and where no wall is seen then, to a hundred-and-sixtieth; the look that sees a wall
@@ -448,7 +450,7 @@ std::optional<Location> locate(const Image& mean, const LocateHints& hints) {
     for (const std::optional<Location>& look : looks_with_cuts(mean, hints, is_clear_uncut ? 1 : many_places, most))
       if (look && look->is_clear() && clarity(*look) > beaten) best = look, beaten = clarity(*look);
   if (!hints.centre_mm || (best && best->is_clear())) return best;
-  const std::optional<Location> explained = explain_around(search_in(mean, hints));
+  const std::optional<Location> explained = explain_around(uncut);
   return explained ? explained : best;
 }
 

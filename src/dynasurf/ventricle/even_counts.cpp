@@ -16,7 +16,7 @@ constexpr double beside_mm = 20;      // from the middle of the wall: beyond its
 constexpr double least_beside = 0.1;  // of the counts
 constexpr double alike = 0.04;        // shares of all counts and of those beside the heart
 // Beats that were cut short leave less; a gate that lost more counts lost more than the end of some beats.
-constexpr double usual_loss = 0.85;
+constexpr double least_usual = 0.85, most_usual = 1.15;  // those of the flag "counts_uneven"
 
 /// Counts of one gate.
 struct Counts {
@@ -70,7 +70,7 @@ std::optional<Study> with_even_counts(const Study& study, const heart::Location&
     if (!is_off || std::abs(of_beside[g] / share - 1) > alike) continue;
     if (!even) even = study;
     for (float& v : even->gates[g].values) v /= share;
-    const bool is_usual = share > usual_loss && share < 1 / usual_loss;
+    const bool is_usual = share > least_usual && share < most_usual;
     even->notes.push_back(
         {is_usual ? Severity::info : Severity::warning, "study.counts_scaled",
          format("gate %zu holds %.0f %% of the counts of the others; it was brought to theirs", g + 1, 100 * share),

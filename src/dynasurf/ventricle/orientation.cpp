@@ -101,8 +101,9 @@ std::optional<heart::Location> locate_upright(const Study& study, const heart::L
   const double outward_mm = heart->outward_mm.value_or(0);
   const bool is_opposite_told = told < -along;
   const bool is_moving_outwards = heart->is_believed() && outward_mm > turning_mm;
-  const bool is_believed = is_opposite_told && (heart->other_end >= alike || (!is_whole && outward_mm > convincing_mm));
-  if (!is_moving_outwards && !is_believed) return heart;
+  const bool is_file_followed =
+      is_opposite_told && (heart->other_end >= alike || (!is_whole && outward_mm > convincing_mm));
+  if (!is_moving_outwards && !is_file_followed) return heart;
   heart::LocateHints turned = hints;
   turned.axis = -heart->cup.axis;
   if (!turned.centre_mm) turned.centre_mm = heart->cup.middle();

@@ -80,7 +80,8 @@ Severity doubt_of_edges(const Result& result, double value, double most_beside_a
   return value > most_beside_a_fit ? Severity::warning : doubt_of_edges(result);
 }
 
-/// What no edges can be measured with. A fit goes without them, but none that its intervals were learned on did.
+/// Without both surfaces in all gates edges measure nothing. The fit needs none, but its intervals were learned where
+/// all were there.
 Severity failure_of_edges(const Result& result) {
   return result.readings.psf_corrected ? Severity::warning : Severity::failure;
 }
